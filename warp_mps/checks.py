@@ -1,0 +1,210 @@
+"""What a scene must satisfy before it can be run: numbers in range, names unique, references that lead somewhere.
+
+Every check raises `InputError` with the place, the field and what is allowed. What needs the particles (overlaps, a
+support that holds nothing, a probe outside every body) is checked where they are known.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from warp_mps import scene as sc
+from warp_mps.errors import InputError
+
+if TYPE_CHECKING:
+    from warp_mps.scene import Body, Load, Material, Measurement, Probe, Scene, Support
+
+
+def check_scene(scene: Scene) -> None:
+    """Check everything about a scene that can be known without its particles.
+
+    Raises:
+        InputError: The first thing found that is not allowed.
+    """
+    _scene_numbers(scene)
+    _require(len(scene.bodies) > 0, scene.path, "bodies", "there is no body to simulate")
+    _unique(scene)
+    for body in scene.bodies:
+        _body(scene, body)
+    for support in scene.supports:
+        _support(scene, support)
+    for load in scene.loads:
+        _load(scene, load)
+    for probe in scene.probes:
+        _probe(scene, probe)
+    for measurement in scene.measurements:
+        _measurement(scene, measurement)
+
+
+def place(item: Body | Support | Load | Probe | Measurement, kind: str) -> str:
+    """How an error names an item: its path, or its kind and name where it has none."""
+    return item.path or f"{kind} '{item.name}'"
+
+
+def _scene_numbers(scene: Scene) -> None:
+    where = scene.path
+    _require(scene.dimension in (2, 3), where, "dimension", f"is {scene.dimension}, must be 2 or 3")
+    _choice(scene.plane, sc.PLANE_MODELS, where, "plane")
+    _choice(scene.elasticity.model, sc.ELASTIC_MODELS, where, "model")
+    _choice(scene.elasticity.normalization, sc.NORMALIZATIONS, where, "normalization")
+    _choice(scene.contact.between, sc.CONTACTS, where, "contact")
+    _positive(scene.contact.stiffness, where, "contact_stiffness")
+    _positive(scene.duration, where, "duration")
+    _positive(scene.frame_rate, where, "frame_rate")
+    _positive(scene.courant, where, "courant")
+    _range(scene.elasticity.effective_radius, 1.0, 5.0, where, "effective_radius")
+    _range(scene.damping, 0.0, math.inf, where, "damping")
+    if scene.sample_rate is not None:
+        _positive(scene.sample_rate, where, "sample_rate")
+    if scene.time_step is not None:
+        _positive(scene.time_step, where, "time_step")
+    if len(scene.gravity):
+        _vector(scene.gravity, scene.dimension, where, "gravity")
+
+
+def _unique(scene: Scene) -> None:
+    for kind, items in (("body", scene.bodies), ("support", scene.supports), ("probe", scene.probes)):
+        seen: set[str] = set()
+        for item in items:
+            _require(item.name not in seen, place(item, kind), "name", f"{item.name!r} is used twice")
+            _require(bool(item.name), place(item, kind), "name", "is empty")
+            seen.add(item.name)
+
+
+def _body(scene: Scene, body: Body) -> None:
+    where = place(body, "body")
+    _material(body.material, scene, where)
+    _positive(body.spacing, where, "spacing")
+    if body.velocity is not None:
+        _vector(body.velocity, scene.dimension, where, "velocity")
+    if body.angular_velocity is not None:
+        _vector(np.atleast_1d(body.angular_velocity), 1 if scene.dimension == 2 else 3, where, "angular_velocity")
+    if body.velocity_field is not None:
+        _velocity_field(scene, body)
+    _require(all(axis in (0, 1, 2) for axis in body.node_axes), where, "node_axes", "must be axes among x, y and z")
+    _names(body.bonded_to, scene, where, "bonded_to")
+
+
+def _material(material: Material, scene: Scene, body: str) -> None:
+    where = material.path if material.path != "material" else body
+    _positive(material.density, where, "density")
+    _positive(material.youngs_modulus, where, "youngs_modulus")
+    plane_stress = scene.dimension == 2 and scene.plane == "stress"
+    upper = 1.0 if plane_stress else 0.5
+    good = math.isfinite(material.poissons_ratio) and -1.0 < material.poissons_ratio < upper
+    kind = "plane stress" if plane_stress else "plane strain" if scene.dimension == 2 else "3-D"
+    reason = f"is {material.poissons_ratio:g}, must lie between -1 and {upper:g} (both excluded) in {kind}"
+    _require(good, where, "poissons_ratio", reason)
+
+
+def _velocity_field(scene: Scene, body: Body) -> None:
+    where, field = place(body, "body"), body.velocity_field
+    assert field is not None
+    _choice(field.kind, sc.VELOCITY_FIELDS, where, "velocity_field")
+    for name in ("amplitude", "axis", "origin"):
+        _vector(getattr(field, name), scene.dimension, where, f"velocity_field.{name}")
+    _positive(field.length, where, "velocity_field.length")
+    _require(np.linalg.norm(field.axis) > 0.0, where, "velocity_field.axis", "has no length")
+    _require(field.mode >= 1, where, "velocity_field.mode", f"is {field.mode}, must be 1 or more")
+
+
+def _support(scene: Scene, support: Support) -> None:
+    where = place(support, "support")
+    good = all(axis in range(scene.dimension) for axis in support.axes)
+    _require(good, where, "axes", f"must be axes of the scene's {scene.dimension} dimensions")
+    _names(support.bodies, scene, where, "bodies")
+    motion = support.motion
+    if isinstance(motion, sc.HarmonicMotion):
+        _vector(motion.amplitude, scene.dimension, where, "motion.amplitude")
+        _positive(motion.frequency, where, "motion.frequency")
+        _require(math.isfinite(motion.phase), where, "motion.phase", "must be finite")
+    elif isinstance(motion, sc.TableMotion):
+        _table(motion, scene, where)
+
+
+def _table(motion: sc.TableMotion, scene: Scene, where: str) -> None:
+    times, rows = np.asarray(motion.times, float), np.asarray(motion.displacements, float)
+    _require(times.ndim == 1 and len(times) >= 2, where, "motion.times", "must hold at least two times")
+    finite = bool(np.all(np.isfinite(times)))
+    _require(finite and bool(np.all(np.diff(times) > 0.0)), where, "motion.times", "must be finite and increase")
+    shape = (len(times), scene.dimension)
+    reason = f"has shape {rows.shape}, must have one vector for each of the {len(times)} times"
+    _require(rows.shape == shape, where, "motion.displacements", reason)
+    _require(bool(np.all(np.isfinite(rows))), where, "motion.displacements", "must be finite")
+
+
+def _load(scene: Scene, load: Load) -> None:
+    where = place(load, "load")
+    given = load.force is not None or load.acceleration is not None
+    _require(given, where, "force", "neither a force nor an acceleration is given")
+    for name in ("force", "acceleration"):
+        if getattr(load, name) is not None:
+            _vector(getattr(load, name), scene.dimension, where, name)
+    _range(load.frequency, 0.0, math.inf, where, "frequency")
+    _require(math.isfinite(load.phase), where, "phase", "must be finite")
+    _names(load.bodies, scene, where, "bodies")
+
+
+def _probe(scene: Scene, probe: Probe) -> None:
+    where = place(probe, "probe")
+    given = [p for p in (probe.point, probe.region, probe.body, probe.support) if p is not None]
+    _require(len(given) == 1, where, "target", "must be exactly one of a point, a region, a body and a support")
+    _choice(probe.quantity, sc.PROBE_QUANTITIES[probe.where], where, "quantity")
+    if probe.point is not None:
+        _vector(probe.point, scene.dimension, where, "point")
+    if probe.body is not None:
+        _names((probe.body,), scene, where, "target")
+    if probe.support is not None:
+        known = [support.name for support in scene.supports]
+        _require(probe.support in known, where, "target", f"names no support: {probe.support!r}")
+
+
+def _measurement(scene: Scene, measurement: Measurement) -> None:
+    where = place(measurement, "measurement")
+    _choice(measurement.measure, sc.MEASURES, where, "measure")
+    known = [probe.name for probe in scene.probes]
+    _require(measurement.probe in known, where, "probe", f"names no probe: {measurement.probe!r}")
+    good = 0 <= measurement.component < max(scene.dimension, 1)
+    _require(good, where, "component", f"must be one of the scene's {scene.dimension} axes")
+    end = scene.duration if measurement.end is None else measurement.end
+    good = 0.0 <= measurement.start < end
+    _require(good, where, "start", f"is {measurement.start:g} s, must lie before the end, {end:g} s")
+    if measurement.measure.startswith("harmonic"):
+        _positive(measurement.frequency, where, "frequency")
+    if measurement.reference is not None:
+        _require(math.isfinite(measurement.reference), where, "reference", "must be finite")
+
+
+def _names(names: Iterable[str], scene: Scene, where: str, attribute: str) -> None:
+    known = [body.name for body in scene.bodies]
+    for name in names:
+        _require(name in known, where, attribute, f"names no body: {name!r}")
+
+
+def _require(good: bool | np.bool_, where: str, attribute: str, reason: str) -> None:
+    if not good:
+        raise InputError(where, attribute, reason)
+
+
+def _positive(value: float, where: str, attribute: str) -> None:
+    _require(math.isfinite(value) and value > 0.0, where, attribute, f"is {value:g}, must be finite and above 0")
+
+
+def _range(value: float, low: float, high: float, where: str, attribute: str) -> None:
+    good = math.isfinite(value) and low <= value <= high
+    limits = f"at least {low:g}" if math.isinf(high) else f"between {low:g} and {high:g}"
+    _require(good, where, attribute, f"is {value:g}, must be finite and {limits}")
+
+
+def _choice(value: str, choices: Sequence[str], where: str, attribute: str) -> None:
+    _require(value in choices, where, attribute, f"is {value!r}, must be one of: {', '.join(choices)}")
+
+
+def _vector(value: Sequence[float] | np.ndarray, size: int, where: str, attribute: str) -> None:
+    array = np.asarray(value, float)
+    good = array.shape == (size,) and bool(np.all(np.isfinite(array)))
+    _require(good, where, attribute, f"is {tuple(array.tolist())}, must be {size} finite numbers")

@@ -1,0 +1,1 @@
+"""What every method shares: number types, weights, rotations, neighbours. Knows no method."""

@@ -1,0 +1,70 @@
+"""Starting Warp, choosing a device, and loading the kernels before they are needed."""
+
+import contextlib
+import os
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+import warp as wp
+
+from warp_mps.errors import InputError
+
+
+def open_device(name: str) -> Any:
+    """Start Warp and return a device.
+
+    Args:
+        name: ``cpu``, or a CUDA device such as ``cuda:0``.
+
+    Raises:
+        InputError: There is no such device.
+    """
+    wp.config.log_level = wp.LOG_WARNING
+    with _without_driver_warning():
+        wp.init()
+    known = [device.alias for device in wp.get_devices()]
+    if name not in known and name != "cuda":
+        raise InputError("", "device", f"{name!r} is not available, must be one of: {', '.join(known)}")
+    try:
+        return wp.get_device(name)
+    except RuntimeError:
+        raise InputError("", "device", f"{name!r} is not available, must be one of: {', '.join(known)}") from None
+
+
+def load_modules(names: Sequence[str], device: Any, announce: Callable[[str], None] | None = None) -> None:
+    """Load Warp modules, saying so first when any of them has yet to be compiled.
+
+    Args:
+        names: Names of the modules; all their kernels must have been declared.
+        device: Device to load them on.
+        announce: Called with the message.
+    """
+    if announce and any(not _is_cached(name) for name in names):
+        announce(f"compiling kernels for {device} (only the first time, about {'a minute' if device.is_cuda else '10 s'})")
+    for name in names:
+        wp.load_module(name, device=device)
+
+
+def _is_cached(name: str) -> bool:
+    cache = Path(wp.config.kernel_cache_dir or "")
+    return (cache / wp.get_module(name).get_module_identifier()).is_dir()
+
+
+@contextlib.contextmanager
+def _without_driver_warning() -> Iterator[None]:
+    """Keep Warp's native library from telling users without a GPU, on every run, that they have none."""
+    try:
+        stderr = sys.__stderr__.fileno() if sys.__stderr__ else 2
+        saved = os.dup(stderr)
+    except OSError:
+        yield
+        return
+    with open(os.devnull, "w", encoding="utf-8") as sink:
+        os.dup2(sink.fileno(), stderr)
+        try:
+            yield
+        finally:
+            os.dup2(saved, stderr)
+            os.close(saved)

@@ -1,0 +1,127 @@
+"""Neighbour lists, found with `wp.HashGrid` and stored, so that no method's kernel searches.
+
+A list has a row a particle: entries `start[i]` to `start[i + 1]` of `index`, sorted by neighbour, so that the sums over
+a row do not depend on how the grid happened to order its cells.
+"""
+
+import functools
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import warp as wp
+
+from warp_mps.core.kit import Kit, kit
+
+METHOD = "neighbours"
+# a lattice places neighbours exactly at r_e: rounding must not decide who is one
+REACH_TOLERANCE = 1.0 + 1e-6
+
+
+@functools.cache
+def neighbour_kernels(kit: Kit) -> SimpleNamespace:
+    """Kernels `count` and `fill` of a reference neighbour list."""
+    real, vec3 = kit.real, kit.vec3
+
+    @kit.kernel(METHOD)
+    def count(
+        # Grid:
+        grid: wp.uint64,
+        points: wp.array(dtype=vec3),
+        groups: wp.array(dtype=wp.int32),
+        reach: wp.array(dtype=real),
+        cell: real,
+        # Out:
+        counts_out: wp.array(dtype=wp.int32),
+    ):
+        i = wp.tid()
+        found = wp.int32(0)
+        for j in wp.hash_grid_query(grid, points[i], cell):
+            r = wp.length(points[j] - points[i])
+            if j != i and groups[j] == groups[i] and r < real(0.5) * (reach[i] + reach[j]):
+                found += 1
+        counts_out[i] = found
+
+    @kit.kernel(METHOD)
+    def fill(
+        # Grid:
+        grid: wp.uint64,
+        points: wp.array(dtype=vec3),
+        groups: wp.array(dtype=wp.int32),
+        reach: wp.array(dtype=real),
+        cell: real,
+        start: wp.array(dtype=wp.int32),
+        # Out:
+        index_out: wp.array(dtype=wp.int32),
+    ):
+        i = wp.tid()
+        first = start[i]
+        last = first
+        for j in wp.hash_grid_query(grid, points[i], cell):
+            r = wp.length(points[j] - points[i])
+            if j != i and groups[j] == groups[i] and r < real(0.5) * (reach[i] + reach[j]):
+                k = last
+                while k > first and index_out[wp.max(k - 1, first)] > j:
+                    index_out[k] = index_out[k - 1]
+                    k -= 1
+                index_out[k] = j
+                last += 1
+
+    return SimpleNamespace(count=count, fill=fill)
+
+
+def make_grid(extent: np.ndarray, cell: float, *, kit: Kit, device: Any) -> wp.HashGrid:
+    """A hash grid whose cells span a domain: cells as wide as the search radius, one out of the plane in 2-D.
+
+    Args:
+        extent: Size of the domain [m], shape [d].
+        cell: Width of a cell [m].
+        kit: Number types.
+        device: Warp device.
+    """
+    # cells alias beyond the grid, which costs time but no correctness: very large domains need no very large grids
+    cells = [int(np.clip(np.ceil(length / cell) + 1, 1, 2048 if kit.dimension == 2 else 256)) for length in extent]
+    dims = (*cells, 1) if kit.dimension == 2 else tuple(cells)
+    return wp.HashGrid(*dims, device=device, dtype=kit.real)
+
+
+def as_vec3(positions: np.ndarray) -> np.ndarray:
+    """Positions as 3-vectors, with 0 out of the plane in 2-D."""
+    return np.pad(positions, ((0, 0), (0, 3 - positions.shape[1])))
+
+
+def reference_neighbours(
+    positions: np.ndarray, groups: np.ndarray, reach: np.ndarray, *, device: Any
+) -> tuple[np.ndarray, np.ndarray]:
+    """All pairs of a reference configuration that are closer than their mean reach, as a list.
+
+    The search runs in double precision whatever the run's: which particles are neighbours must not depend on it.
+
+    Args:
+        positions: Reference positions X [m], shape [n, d].
+        groups: Only particles of the same group are neighbours, shape [n].
+        reach: Effective radius of each particle [m], shape [n].
+        device: Warp device on which the search runs.
+
+    Returns:
+        `start`, shape [n + 1], and `index`, shape [start[n]].
+    """
+    numbers = kit(positions.shape[1], "float64")
+    kernels = neighbour_kernels(numbers)
+    n = len(positions)
+    cell = float(reach.max()) * REACH_TOLERANCE
+    low = positions.min(axis=0)
+    points = wp.array(as_vec3(positions - low), dtype=numbers.vec3, device=device)
+    grid = make_grid(positions.max(axis=0) - low, cell, kit=numbers, device=device)
+    grid.build(points, cell)
+    radii = wp.array(reach * REACH_TOLERANCE, dtype=numbers.real, device=device)
+    group = wp.array(groups, dtype=wp.int32, device=device)
+    counts = wp.empty(n, dtype=wp.int32, device=device)
+    wp.launch(kernels.count, n, [grid.id, points, group, radii, cell], [counts], device=device)
+    start = np.concatenate(([0], np.cumsum(counts.numpy(), dtype=np.int64)))
+    if start[-1] >= 2**31:
+        raise MemoryError(f"{start[-1]} pairs of neighbours are more than an index of 32 bits can name")
+    index = wp.empty(int(start[-1]), dtype=wp.int32, device=device)
+    starts = wp.array(start.astype(np.int32), dtype=wp.int32, device=device)
+    wp.launch(kernels.fill, n, [grid.id, points, group, radii, cell, starts], [index], device=device)
+    return start.astype(np.int32), index.numpy()

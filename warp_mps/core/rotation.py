@@ -1,0 +1,121 @@
+"""Rotation of particles in 2-D and 3-D, the only algebra that differs between the two.
+
+A particle carries a rotor. In 3-D it is the unit quaternion (w, x, y, z). In 2-D it is (cos(theta/4), sin(theta/4)), the
+square root of the quaternion about the normal, because the product of two particles' rotors is then the quaternion
+(cos(theta_ij/2), sin(theta_ij/2)) of their mean rotation theta_ij = (theta_i + theta_j)/2, with no trigonometry in the
+pair loop. Rotations act as R X - X, formed from half angles so that small ones keep their digits in single precision.
+"""
+
+import functools
+from types import SimpleNamespace
+
+import numpy as np
+import warp as wp
+
+from warp_mps.core.kit import Kit
+
+
+@functools.cache
+def rotation_funcs(kit: Kit, method: str) -> SimpleNamespace:
+    """Device functions `cross`, `mean_rotor`, `turn`, `torque_share` and `advance` for a kit."""
+    return _plane_funcs(kit, method) if kit.dimension == 2 else _space_funcs(kit, method)
+
+
+def _plane_funcs(kit: Kit, method: str) -> SimpleNamespace:
+    real, vec, spin, rotor = kit.real, kit.vec, kit.spin, kit.rotor
+
+    @kit.func(method)
+    def cross(a: vec, b: vec) -> spin:
+        return spin(a[0] * b[1] - a[1] * b[0])
+
+    @kit.func(method)
+    def mean_rotor(q_i: rotor, q_j: rotor) -> rotor:
+        return rotor(q_i[0] * q_j[0] - q_i[1] * q_j[1], q_i[0] * q_j[1] + q_i[1] * q_j[0])
+
+    @kit.func(method)
+    def turn(m: rotor, x: vec) -> vec:
+        """R X - X for a mean rotor m = (cos(theta/2), sin(theta/2))."""
+        s = real(2.0) * m[1]
+        return vec(-s * (m[1] * x[0] + m[0] * x[1]), s * (m[0] * x[0] - m[1] * x[1]))
+
+    @kit.func(method)
+    def torque_share(q_i: rotor, m: rotor, torque: spin) -> spin:
+        return real(0.5) * torque
+
+    @kit.func(method)
+    def advance(q: rotor, omega: spin, dt: real) -> rotor:
+        """Rotor after a turn of omega dt, by the Cayley map (third order in the angle, exactly of unit length)."""
+        a = real(0.125) * dt * omega[0]
+        c = (real(1.0) - a * a) / (real(1.0) + a * a)
+        s = real(2.0) * a / (real(1.0) + a * a)
+        return rotor(c * q[0] - s * q[1], s * q[0] + c * q[1])
+
+    return SimpleNamespace(
+        cross=cross, mean_rotor=mean_rotor, turn=turn, torque_share=torque_share, advance=advance
+    )
+
+
+def _space_funcs(kit: Kit, method: str) -> SimpleNamespace:
+    real, vec, spin, rotor = kit.real, kit.vec, kit.spin, kit.rotor
+
+    @kit.func(method)
+    def cross(a: vec, b: vec) -> spin:
+        return wp.cross(a, b)
+
+    @kit.func(method)
+    def mean_rotor(q_i: rotor, q_j: rotor) -> rotor:
+        # q and -q are the same rotation: take the sum that does not cancel
+        side = real(1.0)
+        if wp.dot(q_i, q_j) < real(0.0):
+            side = real(-1.0)
+        return wp.normalize(q_i + side * q_j)
+
+    @kit.func(method)
+    def turn(m: rotor, x: vec) -> vec:
+        """R X - X for a unit quaternion m."""
+        v = vec(m[1], m[2], m[3])
+        t = real(2.0) * wp.cross(v, x)
+        return m[0] * t + wp.cross(v, t)
+
+    @kit.func(method)
+    def torque_share(q_i: rotor, m: rotor, torque: spin) -> spin:
+        """Torque on particle i when `torque` acts on the mean rotation m of i and j.
+
+        The mean rotation turns by (omega_i c + omega_i x v + ...)/(2 c), with (c, v) = q_i m^-1, when q_i turns by
+        omega_i: the share is the adjoint of that, so that energy is kept, and the two shares add up to the torque.
+        """
+        p = vec(q_i[1], q_i[2], q_i[3])
+        b = vec(m[1], m[2], m[3])
+        c = q_i[0] * m[0] + wp.dot(p, b)
+        v = m[0] * p - q_i[0] * b - wp.cross(p, b)
+        return real(0.5) * (torque + wp.cross(v, torque) / c)
+
+    @kit.func(method)
+    def advance(q: rotor, omega: spin, dt: real) -> rotor:
+        """Quaternion after a turn of omega dt (world axes), by the Cayley map."""
+        a = real(0.5) * dt * omega
+        p = vec(q[1], q[2], q[3])
+        w = q[0] - wp.dot(a, p)
+        v = p + q[0] * a + wp.cross(a, p)
+        return wp.normalize(rotor(w, v[0], v[1], v[2]))
+
+    return SimpleNamespace(
+        cross=cross, mean_rotor=mean_rotor, turn=turn, torque_share=torque_share, advance=advance
+    )
+
+
+def identity_rotors(count: int, dimension: int) -> np.ndarray:
+    """Rotors of unrotated particles, shape [n, 2] in 2-D and [n, 4] in 3-D."""
+    rotors = np.zeros((count, 2 * dimension - 2))
+    rotors[:, 0] = 1.0
+    return rotors
+
+
+def rotation_vectors(rotors: np.ndarray) -> np.ndarray:
+    """Rotation vectors [rad] of rotors: shape [n, 1] (the angle theta) in 2-D, [n, 3] in 3-D."""
+    if rotors.shape[1] == 2:
+        return 4.0 * np.arctan2(rotors[:, 1:], rotors[:, :1])
+    rotors = np.where(rotors[:, :1] < 0.0, -rotors, rotors)
+    sine = np.linalg.norm(rotors[:, 1:], axis=1, keepdims=True)
+    angle = 2.0 * np.arctan2(sine, rotors[:, :1])
+    return rotors[:, 1:] * np.where(sine > 1e-12, angle / np.maximum(sine, 1e-300), 2.0)

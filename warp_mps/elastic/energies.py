@@ -1,0 +1,47 @@
+"""Energies of the elastic particles, summed in fixed chunks so that the sum does not depend on the device's schedule."""
+
+import functools
+from types import SimpleNamespace
+
+import warp as wp
+
+from warp_mps.core.kit import Kit
+
+METHOD = "elastic"
+CHUNK = 512
+
+
+@functools.cache
+def energy_kernels(kit: Kit) -> SimpleNamespace:
+    """Kernels `particle_energies` and `chunk_sums`."""
+    real, vec, spin = kit.real, kit.vec, kit.spin
+
+    @kit.kernel(METHOD)
+    def particle_energies(
+        # Model:
+        gravity: vec,
+        reference: wp.array(dtype=vec),
+        mass: wp.array(dtype=real),
+        inertia: wp.array(dtype=real),
+        # State in:
+        u: wp.array(dtype=vec),
+        v: wp.array(dtype=vec),
+        omega: wp.array(dtype=spin),
+        # Out:
+        kinetic_out: wp.array(dtype=real),
+        potential_out: wp.array(dtype=real),
+    ):
+        """Kinetic energy, and potential energy measured from the reference position of each particle."""
+        i = wp.tid()
+        kinetic_out[i] = real(0.5) * (mass[i] * wp.dot(v[i], v[i]) + inertia[i] * wp.dot(omega[i], omega[i]))
+        potential_out[i] = -mass[i] * wp.dot(gravity, u[i])
+
+    @kit.kernel(METHOD)
+    def chunk_sums(values: wp.array(dtype=real), sums_out: wp.array(dtype=wp.float64)):
+        c = wp.tid()
+        total = wp.float64(0.0)
+        for i in range(c * CHUNK, wp.min((c + 1) * CHUNK, values.shape[0])):
+            total += wp.float64(values[i])
+        sums_out[c] = total
+
+    return SimpleNamespace(particle_energies=particle_energies, chunk_sums=chunk_sums)

@@ -1,0 +1,147 @@
+"""The supports and loads of a scene on its particles: who is held, who is driven, who is pushed."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import warp as wp
+
+from warp_mps.checks import place
+from warp_mps.core.kit import Kit
+from warp_mps.elastic.loads import load_kernels
+from warp_mps.elastic.state import ElasticState
+from warp_mps.errors import InputError
+from warp_mps.particles import Particles, select_held
+from warp_mps.scene import HarmonicMotion, Load, Scene, Support, TableMotion
+
+
+@dataclass(kw_only=True)
+class _Agent:
+    """A moving support or a load on the device: its particles, its own numbers, and its work so far."""
+
+    particles: wp.array
+    numbers: list[Any]
+    power: wp.array
+    work: wp.array
+
+
+class Outside:
+    """Everything that acts on the elastic bodies from outside, gravity apart.
+
+    Attributes:
+        held: Whether each axis of each particle is held, shape [n, d].
+        held_rotation: Whether the rotation of each particle is held, shape [n].
+    """
+
+    def __init__(self, scene: Scene, particles: Particles, *, dt: float, kit: Kit, device: Any) -> None:
+        self._kit, self._device, self._dt = kit, device, dt
+        self._kernels = load_kernels(kit)
+        self.steps = wp.zeros(1, dtype=wp.int32, device=device)
+        self.held = np.zeros((particles.count, particles.dimension), bool)
+        self.held_rotation = np.zeros(particles.count, bool)
+        self._driven: list[_Agent] = []
+        driven = np.zeros_like(self.held)
+        for support in scene.supports:
+            self._hold(support, particles, driven)
+        self._pushed = [self._load(load, particles) for load in scene.loads]
+
+    @property
+    def moving(self) -> bool:
+        """Whether anything here depends on time or does work."""
+        return bool(self._driven or self._pushed)
+
+    def drive(self, state: ElasticState) -> None:
+        """Place the particles of the moving supports."""
+        for agent in self._driven:
+            axes, motion = agent.numbers[0], agent.numbers[1:]
+            inputs = [agent.particles, axes, self._dt, *motion, self.steps]
+            self._launch(self._kernels.drive, agent, inputs, [state.u, state.v, state.driven])
+
+    def push(self, state: ElasticState, mass: wp.array) -> None:
+        """Add the forces of the loads."""
+        for agent in self._pushed:
+            inputs = [agent.particles, self._dt, *agent.numbers, mass, self.steps]
+            self._launch(self._kernels.push, agent, inputs, [state.force])
+
+    def account(self, state: ElasticState, mass: wp.array, dt: float) -> None:
+        """Add the work of a step; with dt = 0 only note the power, which the next step needs."""
+        for agent in self._driven:
+            inputs = [agent.particles, agent.numbers[0], dt, mass, state.v, state.force, state.driven]
+            self._launch(self._kernels.drive_work, agent, inputs, [agent.power, agent.work])
+        for agent in self._pushed:
+            # the load's value needs the time, so this kernel takes the true time step as well
+            inputs = [agent.particles, self._dt, dt, *agent.numbers, mass, self.steps, state.v]
+            self._launch(self._kernels.push_work, agent, inputs, [agent.power, agent.work])
+
+    def work(self) -> float:
+        """Work done so far [J]."""
+        return float(sum(np.sum(agent.work.numpy()) for agent in self._agents()))
+
+    def arrays(self) -> dict[str, np.ndarray]:
+        """What evolves here, for a checkpoint."""
+        arrays = {"steps": self.steps.numpy().copy()}
+        for k, agent in enumerate(self._agents()):
+            arrays[f"power_{k}"] = agent.power.numpy().copy()
+            arrays[f"work_{k}"] = agent.work.numpy().copy()
+        return arrays
+
+    def assign(self, arrays: dict[str, np.ndarray]) -> None:
+        """Take over arrays that `arrays` gave."""
+        self.steps.assign(arrays["steps"])
+        for k, agent in enumerate(self._agents()):
+            agent.power.assign(arrays[f"power_{k}"])
+            agent.work.assign(arrays[f"work_{k}"])
+
+    def _agents(self) -> list[_Agent]:
+        return [*self._driven, *self._pushed]
+
+    def _hold(self, support: Support, particles: Particles, driven: np.ndarray) -> None:
+        found = select_held(particles, support)
+        axes = list(support.axes) or list(range(particles.dimension))
+        clamp = len(axes) == particles.dimension if support.hold_rotation is None else support.hold_rotation
+        self.held[np.ix_(found, axes)] = True
+        self.held_rotation[found] |= clamp
+        if support.motion is None:
+            return
+        if driven[np.ix_(found, axes)].any():
+            raise InputError(place(support, "support"), "motion", "moves particles that another support already moves")
+        driven[np.ix_(found, axes)] = True
+        mask = np.zeros(particles.dimension)
+        mask[axes] = 1.0
+        self._driven.append(self._agent(found, [self._kit.vec(*mask), *self._motion(support.motion)]))
+
+    def _motion(self, motion: HarmonicMotion | TableMotion) -> list[Any]:
+        """Arguments of the `drive` kernel: amplitude, frequency, phase, times and table."""
+        vec = self._kit.vec
+        if isinstance(motion, HarmonicMotion):
+            empty = np.zeros((2, self._kit.dimension))
+            numbers = [vec(*motion.amplitude), motion.frequency, motion.phase]
+            times, rows = np.array([0.0, 1.0]), empty
+        else:
+            numbers = [vec(), 0.0, 0.0]
+            times, rows = np.asarray(motion.times, float), np.asarray(motion.displacements, float)
+        return [
+            *numbers,
+            wp.array(times, dtype=wp.float64, device=self._device),
+            wp.array(rows, dtype=vec, device=self._device),
+        ]
+
+    def _load(self, load: Load, particles: Particles) -> _Agent:
+        found = select_held(particles, load)
+        acceleration = np.zeros(particles.dimension)
+        if load.acceleration is not None:
+            acceleration += load.acceleration
+        if load.force is not None:
+            acceleration += np.asarray(load.force, float) / particles.masses[found].sum()
+        return self._agent(found, [self._kit.vec(*acceleration), load.frequency, load.phase])
+
+    def _agent(self, found: np.ndarray, numbers: list[Any]) -> _Agent:
+        return _Agent(
+            particles=wp.array(found, dtype=wp.int32, device=self._device),
+            numbers=numbers,
+            power=wp.zeros(len(found), dtype=self._kit.real, device=self._device),
+            work=wp.zeros(len(found), dtype=wp.float64, device=self._device),
+        )
+
+    def _launch(self, kernel: Any, agent: _Agent, inputs: list[Any], outputs: list[Any]) -> None:
+        wp.launch(kernel, len(agent.particles), inputs, outputs, device=self._device)

@@ -1,0 +1,160 @@
+"""The paper's elastic model: springs along and across every pair of particles, and a pressure for the volume change.
+
+The forces are the exact gradient of one energy,
+
+    V = sum_pairs 1/2 k_ij |u_ij|^2 + sum_i 1/2 V0 lambda (div u)_i^2,   u_ij = x_ij - R(theta_ij) X_ij   (eq. 9)
+
+with k_ij = V0 (2 d / n) 2 mu w_ij / |X_ij|^2 (eqs. 10-13: the normal and the tangential spring are equally stiff, so
+their sum acts along u_ij) and (div u)_i = (d / n) sum_j w_ij (u_ij . x_ij/|x_ij|) / |X_ij| (eq. 14). Momentum, angular
+momentum (eq. 4) and energy are therefore kept. n is the lattice's n0 or the particle's own n_i; with n_i a pair takes
+the mean of 1/n_i and 1/n_j.
+
+References:
+    Robortella, M. S., Nishimoto, K. and Cheng, L.-Y., Dynamic analyses of elastic structures by using the moving
+    particle semi-implicit method (MPS), equations 2 to 14.
+    Song, M., Koshizuka, S. and Oka, Y., Dynamic analysis of elastic solids by MPS method, GENES4/ANP2003, 2003.
+"""
+
+import functools
+from types import SimpleNamespace
+
+import warp as wp
+
+from warp_mps.core.kit import Kit
+from warp_mps.core.rotation import rotation_funcs
+
+METHOD = "elastic"
+
+
+@functools.cache
+def spring_funcs(kit: Kit) -> SimpleNamespace:
+    """Device functions of one pair: each a formula, without indices."""
+    real, vec, spin, rotor = kit.real, kit.vec, kit.spin, kit.rotor
+    turns = rotation_funcs(kit, METHOD)
+    turn, cross = turns.turn, turns.cross
+
+    @kit.func(METHOD)
+    def stretch(m: rotor, bond: vec, du: vec) -> real:
+        """u_ij . x_ij/|x_ij|, the part of the relative displacement along the pair (eq. 10 without 1/|X_ij|)."""
+        x = bond + du
+        return wp.dot(du - turn(m, bond), x) / wp.length(x)
+
+    @kit.func(METHOD)
+    def pair_force(m: rotor, bond: vec, du: vec, k: real, pressure: real) -> vec:
+        """Force on i: the springs, and the gradient of the stretch times the pressure sum of the pair."""
+        x = bond + du
+        turned = turn(m, bond)
+        b = bond + turned
+        inverse = real(1.0) / wp.length(x)
+        direction = inverse * x
+        across = inverse * (b - wp.dot(b, direction) * direction)
+        return k * (du - turned) + pressure * (direction - across)
+
+    @kit.func(METHOD)
+    def pair_torque(m: rotor, bond: vec, du: vec, k: real, pressure: real) -> spin:
+        """Torque on the mean rotation of the pair (eq. 4): minus the energy's change as R(theta_ij) X_ij turns."""
+        x = bond + du
+        turned = turn(m, bond)
+        return cross(bond + turned, k * (du - turned) + (pressure / wp.length(x)) * x)
+
+    return SimpleNamespace(stretch=stretch, pair_force=pair_force, pair_torque=pair_torque)
+
+
+@functools.cache
+def spring_kernels(kit: Kit) -> SimpleNamespace:
+    """Kernels `pressure`, `force` and `energy` of the model.
+
+    `first` shifts the particle index, so that several threads can share the particles.
+    """
+    real, vec, spin, rotor = kit.real, kit.vec, kit.spin, kit.rotor
+    turns, pair = rotation_funcs(kit, METHOD), spring_funcs(kit)
+    mean_rotor, torque_share, turn = turns.mean_rotor, turns.torque_share, turns.turn
+    stretch, pair_force, pair_torque = pair.stretch, pair.pair_force, pair.pair_torque
+
+    @kit.kernel(METHOD)
+    def pressure(
+        # Model:
+        first: wp.int32,
+        start: wp.array(dtype=wp.int32),
+        index: wp.array(dtype=wp.int32),
+        bond: wp.array(dtype=vec),
+        area: wp.array(dtype=real),
+        bulk: wp.array(dtype=real),
+        # State in:
+        u: wp.array(dtype=vec),
+        q: wp.array(dtype=rotor),
+        # State out:
+        pressures_out: wp.array(dtype=real),
+    ):
+        """V0 lambda (div u)_i / n_i, minus the pressure of eq. 14 in the units that the pair sum needs."""
+        i = first + wp.tid()
+        u_i = u[i]
+        q_i = q[i]
+        div = real(0.0)
+        for k in range(start[i], start[i + 1]):
+            j = index[k]
+            div += area[k] * stretch(mean_rotor(q_i, q[j]), bond[k], u[j] - u_i)
+        pressures_out[i] = bulk[i] * div
+
+    @kit.kernel(METHOD)
+    def force(
+        # Model:
+        first: wp.int32,
+        start: wp.array(dtype=wp.int32),
+        index: wp.array(dtype=wp.int32),
+        bond: wp.array(dtype=vec),
+        area: wp.array(dtype=real),
+        stiffness: wp.array(dtype=real),
+        # State in:
+        u: wp.array(dtype=vec),
+        q: wp.array(dtype=rotor),
+        pressures: wp.array(dtype=real),
+        # State out:
+        force_out: wp.array(dtype=vec),
+        torque_out: wp.array(dtype=spin),
+    ):
+        i = first + wp.tid()
+        u_i = u[i]
+        q_i = q[i]
+        p_i = pressures[i]
+        total = vec()
+        torque = spin()
+        for k in range(start[i], start[i + 1]):
+            j = index[k]
+            m = mean_rotor(q_i, q[j])
+            du = u[j] - u_i
+            p = (p_i + pressures[j]) * area[k]
+            total += pair_force(m, bond[k], du, stiffness[k], p)
+            torque += torque_share(q_i, m, pair_torque(m, bond[k], du, stiffness[k], p))
+        force_out[i] = total
+        torque_out[i] = torque
+
+    @kit.kernel(METHOD)
+    def energy(
+        # Model:
+        start: wp.array(dtype=wp.int32),
+        index: wp.array(dtype=wp.int32),
+        bond: wp.array(dtype=vec),
+        area: wp.array(dtype=real),
+        stiffness: wp.array(dtype=real),
+        bulk: wp.array(dtype=real),
+        # State in:
+        u: wp.array(dtype=vec),
+        q: wp.array(dtype=rotor),
+        # State out:
+        energy_out: wp.array(dtype=real),
+    ):
+        """Elastic energy of each particle: half of its springs, and its volume change."""
+        i = wp.tid()
+        springs = real(0.0)
+        div = real(0.0)
+        for k in range(start[i], start[i + 1]):
+            j = index[k]
+            m = mean_rotor(q[i], q[j])
+            du = u[j] - u[i]
+            e = du - turn(m, bond[k])
+            springs += real(0.25) * stiffness[k] * wp.dot(e, e)
+            div += area[k] * stretch(m, bond[k], du)
+        energy_out[i] = springs + real(0.5) * bulk[i] * div * div
+
+    return SimpleNamespace(pressure=pressure, force=force, energy=energy)

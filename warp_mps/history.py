@@ -1,0 +1,108 @@
+"""The history of a run: what probes.csv holds, a time and the probes and energies at that time in every row."""
+
+from __future__ import annotations
+
+import csv
+import os
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from warp_mps.energy import ENERGY_NAMES, Energy
+from warp_mps.errors import InputError
+
+TIME_LABEL = "time [s]"
+COMPONENTS = "xyz"
+
+
+def energy_labels(dimension: int) -> tuple[str, ...]:
+    """Labels of the energies' columns, the last ones of a history."""
+    unit = "J/m" if dimension == 2 else "J"
+    return tuple(f"{name} [{unit}]" for name in ENERGY_NAMES.values())
+
+
+class History:
+    """Rows of numbers under labels such as ``tip.x [m]``.
+
+    Args:
+        labels: Labels: the time, the probes' components, the energies.
+        rows: Rows to begin with, times increasing.
+    """
+
+    def __init__(self, labels: Sequence[str], rows: Iterable[Sequence[float]] = ()) -> None:
+        self.labels = tuple(labels)
+        self.rows = [tuple(row) for row in rows]
+
+    def append(self, row: Sequence[float]) -> None:
+        """Add a row; its first number is the time [s]."""
+        self.rows.append(tuple(row))
+
+    @property
+    def last_time(self) -> float:
+        """Time of the last row [s], minus infinity before the first."""
+        return self.rows[-1][0] if self.rows else -np.inf
+
+    @property
+    def times(self) -> np.ndarray:
+        """Times [s], shape [m]."""
+        return np.array([row[0] for row in self.rows])
+
+    def probe(self, name: str, component: int = 0) -> np.ndarray:
+        """History of one component of a probe, shape [m].
+
+        Raises:
+            KeyError: There is no such probe or component.
+        """
+        wanted = [f"{name}.{COMPONENTS[component]}"] + [name] * (component == 0)
+        for column, label in enumerate(self.labels[1 : -len(ENERGY_NAMES)], start=1):
+            if label.rpartition(" [")[0] in wanted:
+                return np.array([row[column] for row in self.rows])
+        raise KeyError(f"probe {name!r} has no component {component}")
+
+    def energies(self) -> list[Energy]:
+        """Energies of every row."""
+        count = len(ENERGY_NAMES)
+        return [Energy(**dict(zip(ENERGY_NAMES, row[-count:], strict=True))) for row in self.rows]
+
+    def until(self, time: float) -> History:
+        """The rows up to a time [s], but for rounding."""
+        limit = time + 1e-12 * abs(time)
+        return History(self.labels, [row for row in self.rows if row[0] <= limit])
+
+
+def read_history(path: str | Path) -> History:
+    """Read probes.csv; a last row that was cut short when its writer died is left out.
+
+    Raises:
+        InputError: The file is missing or holds something else.
+    """
+    try:
+        text = Path(path).read_text(encoding="utf-8")
+    except OSError as error:
+        raise InputError(str(path), "", f"cannot be read: {error.strerror}") from error
+    lines = list(csv.reader(text[: text.rfind("\n") + 1].splitlines()))
+    if not lines or not lines[0] or lines[0][0] != TIME_LABEL:
+        raise InputError(str(path), "", f"is not a table of probes: its first column must be {TIME_LABEL!r}")
+    try:
+        rows = [[float(cell) for cell in line] for line in lines[1:]]
+    except ValueError as error:
+        raise InputError(str(path), "", f"holds something else than numbers: {error}") from error
+    if any(len(row) != len(lines[0]) for row in rows):
+        raise InputError(str(path), "", "has rows of different lengths")
+    return History(lines[0], rows)
+
+
+def write_history(path: str | Path, history: History) -> None:
+    """Write probes.csv as a whole, in one atomic step."""
+    temporary = Path(path).with_suffix(".new")
+    with temporary.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(history.labels)
+        writer.writerows(format_row(row) for row in history.rows)
+    os.replace(temporary, path)
+
+
+def format_row(row: Sequence[float]) -> list[str]:
+    """Numbers as the shortest text that reads back as the same numbers."""
+    return [repr(float(value)) for value in row]

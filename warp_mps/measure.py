@@ -1,0 +1,128 @@
+"""Measures: numbers drawn from the history of a probe.
+
+y(t) is the chosen component of the probe between the measurement's start and end, sampled at t_1 < ... < t_m.
+
+- ``frequency``: the omega [rad/s] of the best fit y = A cos(omega t) + B sin(omega t) + C in the least-squares sense,
+  over A, B, C and omega; at least one period must lie in the window.
+- ``amplitude``: sqrt(A^2 + B^2) of that fit.
+- ``mean``: 1/(t_m - t_1) times the integral of y, by the trapezoidal rule.
+- ``minimum``, ``maximum``: the least and the greatest y(t_k).
+- ``final``: y(t_m).
+- ``restitution``: -y(t_m)/y(t_1), of a velocity component that reverses in an impact.
+- ``contact_time``: t_b - t_a, the first and last samples where abs(y) exceeds 1e-9 of its maximum.
+- ``harmonic_amplitude``: sqrt(a^2 + b^2) of the least-squares fit y = a sin(omega t) + b cos(omega t) + C + (a second
+  sinusoid), omega = 2 pi f given. The second sinusoid, of free frequency, takes up the natural oscillation that a
+  start from rest leaves in an undamped body.
+- ``harmonic_phase``: atan2(b, a) of that fit in degrees, in [-180, 180): the response's lead over sin(omega t).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from warp_mps import sinusoid
+
+if TYPE_CHECKING:
+    from warp_mps.scene import Measurement
+
+CONTACT_THRESHOLD = 1e-9
+# What a fit with one frequency leaves, as a part of the whole, below which a second one would fit noise.
+NOTHING_LEFT = 1e-9
+
+
+def evaluate(measurement: Measurement, times: np.ndarray, values: np.ndarray) -> float:
+    """Draw a number from a history.
+
+    Args:
+        measurement: What to draw; see the module for each measure.
+        times: Times, increasing [s], shape [m].
+        values: Values of the probe's component, shape [m].
+
+    Raises:
+        ValueError: The history within the measurement's window does not determine the number.
+    """
+    times, values = _window(measurement, np.asarray(times, dtype=float), np.asarray(values, dtype=float))
+    if measurement.measure.startswith("harmonic"):
+        sine, cosine = _harmonic(times, values, 2.0 * np.pi * measurement.frequency)
+        return _phase(sine, cosine) if measurement.measure == "harmonic_phase" else float(np.hypot(sine, cosine))
+    return _MEASURES[measurement.measure](times, values)
+
+
+def _window(measurement: Measurement, times: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The samples between start and end, bounds included but for rounding."""
+    end = np.inf if measurement.end is None else measurement.end
+    slack = 1e-9 * (abs(times[-1]) if len(times) else 0.0)
+    inside = (times >= measurement.start - slack) & (times <= end + slack)
+    if not inside.any():
+        raise ValueError(f"there is no sample between {measurement.start:g} s and {end:g} s")
+    if not np.isfinite(values[inside]).all():
+        raise ValueError("the history holds numbers that are not finite")
+    return times[inside], values[inside]
+
+
+def _frequency(times: np.ndarray, values: np.ndarray) -> float:
+    omega = sinusoid.dominant(times, values)
+    _require_period(times, omega)
+    return omega
+
+
+def _require_period(times: np.ndarray, omega: float) -> None:
+    periods = omega * (times[-1] - times[0]) / (2.0 * np.pi)
+    if periods < 1.0:
+        raise ValueError(f"the window holds {periods:.2f} of a period; at least one is needed")
+
+
+def _amplitude(times: np.ndarray, values: np.ndarray) -> float:
+    (a, b, _), _ = sinusoid.fit(times, values, [_frequency(times, values)])
+    return float(np.hypot(a, b))
+
+
+def _mean(times: np.ndarray, values: np.ndarray) -> float:
+    if len(times) == 1:
+        return float(values[0])
+    return float(np.sum(0.5 * (values[1:] + values[:-1]) * np.diff(times)) / (times[-1] - times[0]))
+
+
+def _restitution(times: np.ndarray, values: np.ndarray) -> float:
+    if len(values) < 2 or values[0] == 0.0:
+        raise ValueError("restitution needs a first value that is not zero, and a later one")
+    return float(-values[-1] / values[0])
+
+
+def _contact_time(times: np.ndarray, values: np.ndarray) -> float:
+    sizes = np.abs(values)
+    if sizes.max() == 0.0:
+        raise ValueError("there was no contact")
+    touching = times[sizes > CONTACT_THRESHOLD * sizes.max()]
+    return float(touching[-1] - touching[0])
+
+
+def _harmonic(times: np.ndarray, values: np.ndarray, omega: float) -> tuple[float, float]:
+    """Coefficients of sin(omega t) and cos(omega t)."""
+    sinusoid.require_samples(times)
+    _require_period(times, omega)
+    coefficients, residual = sinusoid.fit(times, values, [omega])
+    if residual > NOTHING_LEFT**2 * float(np.sum(values**2)):
+        second = sinusoid.dominant(times, values, beside=[omega])
+        coefficients, _ = sinusoid.fit(times, values, [omega, second])
+    return float(coefficients[0]), float(coefficients[1])
+
+
+def _phase(sine: float, cosine: float) -> float:
+    degrees = float(np.degrees(np.arctan2(cosine, sine)))
+    return (degrees + 180.0) % 360.0 - 180.0
+
+
+_MEASURES: dict[str, Callable[[np.ndarray, np.ndarray], float]] = {
+    "frequency": _frequency,
+    "amplitude": _amplitude,
+    "mean": _mean,
+    "minimum": lambda times, values: float(values.min()),
+    "maximum": lambda times, values: float(values.max()),
+    "final": lambda times, values: float(values[-1]),
+    "restitution": _restitution,
+    "contact_time": _contact_time,
+}

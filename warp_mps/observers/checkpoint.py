@@ -1,0 +1,185 @@
+"""Checkpoints: the state of a run in a file that is either whole or not there."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import time
+import zipfile
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from warp_mps.errors import InputError, RunError
+from warp_mps.observers.base import View
+
+VERSION = 1
+NAME = "checkpoint.npz"
+PREVIOUS = "checkpoint.prev.npz"
+METADATA = "metadata"
+PREFIX = "state."
+
+
+@dataclass(frozen=True)
+class Checkpoint:
+    """The state of a run at one moment.
+
+    Attributes:
+        step: Number of steps done.
+        time: Simulated time [s].
+        arrays: Everything that evolves, by name.
+    """
+
+    step: int
+    time: float
+    arrays: dict[str, np.ndarray]
+
+
+class CheckpointWriter:
+    """Keeps the state at the last look, and saves it every so many seconds and at the end.
+
+    A state with a number that is not finite is never kept: the checkpoint of a run that blew up is its last good one.
+
+    Args:
+        folder: Where checkpoint.npz goes; the one before it stays as checkpoint.prev.npz.
+        fingerprint: What the checkpoint belongs to, e.g. a hash of the case.
+        every: Steps between two looks.
+        interval: Wall seconds between two saves.
+        clock: Gives the wall time [s].
+    """
+
+    def __init__(
+        self,
+        folder: str | Path,
+        fingerprint: str,
+        *,
+        every: int,
+        interval: float = 60.0,
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
+        self.every = every
+        self._folder = Path(folder)
+        self._fingerprint = fingerprint
+        self._interval, self._clock = interval, clock
+        self._last_save = clock()
+        self._pending: Checkpoint | None = None
+
+    def observe(self, view: View) -> None:
+        """Keep the state, and save it when it is time to.
+
+        Raises:
+            RunError: The file cannot be written.
+        """
+        if not (np.isfinite(view.positions).all() and np.isfinite(view.velocities).all()):
+            return
+        self._pending = Checkpoint(view.step, view.time, view.state_arrays())
+        if self._clock() - self._last_save >= self._interval:
+            self._save()
+
+    def close(self) -> None:
+        """Save the last state that was kept.
+
+        Raises:
+            RunError: The file cannot be written.
+        """
+        self._save()
+
+    def _save(self) -> None:
+        if self._pending is not None:
+            save_checkpoint(self._folder, self._fingerprint, self._pending)
+            self._pending = None
+        self._last_save = self._clock()
+
+
+def save_checkpoint(folder: Path, fingerprint: str, checkpoint: Checkpoint) -> None:
+    """Save a checkpoint in one atomic step; the one before it becomes checkpoint.prev.npz.
+
+    Raises:
+        RunError: The file cannot be written.
+    """
+    metadata: dict[str, Any] = {
+        "version": VERSION,
+        "fingerprint": fingerprint,
+        "step": checkpoint.step,
+        "time": checkpoint.time,
+    }
+    metadata["sha256"] = _digest(metadata, checkpoint.arrays)
+    newest, temporary = folder / NAME, folder / (NAME + ".new")
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with temporary.open("wb") as file:
+            np.savez(file, **_entries(metadata, checkpoint.arrays))
+            file.flush()
+            os.fsync(file.fileno())
+        if newest.exists():
+            os.replace(newest, folder / PREVIOUS)
+        os.replace(temporary, newest)
+        _sync_folder(folder)
+    except OSError as error:
+        raise RunError(f"{newest}: cannot be written: {error.strerror}") from error
+
+
+def load_checkpoint(folder: str | Path, fingerprint: str) -> Checkpoint:
+    """Load the newest whole checkpoint of a folder.
+
+    Raises:
+        InputError: There is none, or it belongs to another case or another version of the format.
+    """
+    found = [path for path in (Path(folder) / NAME, Path(folder) / PREVIOUS) if path.exists()]
+    if not found:
+        raise InputError(str(folder), "", "holds no checkpoint to resume from")
+    for path in found:
+        loaded = _read(path, fingerprint)
+        if loaded is not None:
+            return loaded
+    raise InputError(str(found[0]), "", "is damaged, and so is every earlier checkpoint; start a new run")
+
+
+def _read(path: Path, fingerprint: str) -> Checkpoint | None:
+    """Read a checkpoint; None if it is truncated or altered."""
+    try:
+        with np.load(path, allow_pickle=False) as file:
+            entries = {name: file[name] for name in file.files}
+        metadata = json.loads(str(entries.pop(METADATA)))
+        arrays = {name.removeprefix(PREFIX): array for name, array in entries.items()}
+        checksum = metadata.pop("sha256")
+    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile):
+        return None
+    if metadata.get("version") != VERSION:
+        text = f"has format version {metadata.get('version')}, this program reads {VERSION}; start a new run"
+        raise InputError(str(path), "", text)
+    if checksum != _digest(metadata, arrays):
+        return None
+    if metadata["fingerprint"] != fingerprint:
+        raise InputError(str(path), "", "belongs to another case, or the case has changed since; start a new run")
+    return Checkpoint(metadata["step"], metadata["time"], arrays)
+
+
+def _entries(metadata: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -> dict[str, Any]:
+    # savez takes the names as keywords; the prefix keeps them from meeting its own and the metadata.
+    state = {PREFIX + name: np.asarray(array) for name, array in arrays.items()}
+    return {METADATA: np.array(json.dumps(metadata)), **state}
+
+
+def _digest(metadata: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -> str:
+    """SHA-256 of the metadata and of the arrays' names, types, shapes and bytes."""
+    digest = hashlib.sha256(json.dumps(metadata, sort_keys=True).encode())
+    for name in sorted(arrays):
+        array = np.ascontiguousarray(arrays[name])
+        digest.update(f"{name} {array.dtype.str} {np.shape(arrays[name])}\n".encode())
+        digest.update(array.tobytes())
+    return digest.hexdigest()
+
+
+def _sync_folder(folder: Path) -> None:
+    """Make the renames last through a power failure, where the system can."""
+    if os.name == "posix":
+        handle = os.open(folder, os.O_RDONLY)
+        try:
+            os.fsync(handle)
+        finally:
+            os.close(handle)

@@ -1,0 +1,82 @@
+"""The guard: stops a run whose numbers are no longer those of a solution."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from warp_mps.errors import RunError
+from warp_mps.observers.base import View
+
+# Energy may come from nowhere up to this part of what motion and deformation have held, or of the work put in.
+ALLOWED_GROWTH = 0.1
+# Single precision keeps 1e-7 of a position; over the steps of a run, a resting scene's potential energy in gravity
+# wanders by some tens of that.
+ROUNDING = 1e-5
+
+
+class Guard:
+    """Stops a run when a number is not finite, or when energy appears from nowhere.
+
+    The energy balance (held, less work, plus dissipated) is constant in an exact solution. An unstable step makes it
+    grow exponentially, and then it soon is as large as the kinetic and elastic energy themselves; the error of a good
+    step stays a small part of them. A scene at rest has neither, and there only rounding is allowed for.
+
+    Args:
+        every: Steps between two looks.
+        time_step: Time step of the run [s], for the message.
+    """
+
+    def __init__(self, *, every: int, time_step: float) -> None:
+        self.every = every
+        self._time_step = time_step
+        self._start: float | None = None
+        self._largest = 0.0
+        self._potential = 0.0
+
+    def observe(self, view: View) -> None:
+        """Look at positions, velocities and energies.
+
+        Raises:
+            RunError: A number is not finite, or energy has grown out of nowhere.
+        """
+        self._check_finite(view)
+        self._check_energy(view)
+
+    def close(self) -> None:
+        """Do nothing: there is nothing to finish."""
+
+    def _check_finite(self, view: View) -> None:
+        for name, values in (("position", view.positions), ("velocity", view.velocities)):
+            bad = np.flatnonzero(~np.isfinite(values).all(axis=1))
+            if len(bad):
+                place = _describe(view, int(bad[0]))
+                raise RunError(f"the {name} of {place} is not finite at {self._when(view)}; {self._cause()}")
+
+    def _check_energy(self, view: View) -> None:
+        energy = view.energy
+        if self._start is None:
+            self._start = energy.balance
+        self._largest = max(self._largest, energy.exchanged, abs(energy.work))
+        self._potential = max(self._potential, abs(energy.potential))
+        growth = energy.balance - self._start
+        if growth > ALLOWED_GROWTH * self._largest + ROUNDING * self._potential or not np.isfinite(growth):
+            fastest = int(np.argmax(np.linalg.norm(view.velocities, axis=1)))
+            speed = float(np.linalg.norm(view.velocities[fastest]))
+            raise RunError(
+                f"the energy has grown by {growth:.3g} J out of nowhere (largest kinetic, elastic and contact energy "
+                f"or work: {self._largest:.3g} J) at {self._when(view)}; the fastest particle is "
+                f"{_describe(view, fastest)} at {speed:.3g} m/s; {self._cause()}"
+            )
+
+    def _when(self, view: View) -> str:
+        return f"{view.time:.6g} s (step {view.step})"
+
+    def _cause(self) -> str:
+        return f"the time step of {self._time_step:.3g} s is probably too large"
+
+
+def _describe(view: View, index: int) -> str:
+    particles = view.particles
+    place = ", ".join(f"{value:.6g}" for value in particles.positions[index])
+    body = particles.names[int(particles.bodies[index])]
+    return f"particle {int(particles.ids[index])} of body '{body}' (from ({place}) m)"

@@ -1,0 +1,73 @@
+"""Recording of the probes and energies as probes.csv, a row flushed as soon as it is made."""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+
+from warp_mps.energy import ENERGY_NAMES
+from warp_mps.errors import InputError, RunError
+from warp_mps.history import TIME_LABEL, History, energy_labels, format_row, read_history, write_history
+from warp_mps.observers.base import View
+from warp_mps.observers.sampling import make_sampler
+from warp_mps.particles import Particles
+from warp_mps.scene import Scene
+
+
+class ProbeRecorder:
+    """Records every probe of a scene and the energies, in probes.csv and in memory.
+
+    Args:
+        path: The file to write.
+        scene: The case.
+        particles: Its particles.
+        every: Steps between two rows.
+        resume_after: Continues an existing file after this time [s]; later rows are dropped. None starts anew.
+
+    Raises:
+        InputError: A probe is in no body, or the file to continue is missing or has other columns.
+    """
+
+    def __init__(
+        self, path: str | Path, scene: Scene, particles: Particles, *, every: int, resume_after: float | None = None
+    ) -> None:
+        self.every = every
+        self._samplers = [make_sampler(probe, scene, particles) for probe in scene.probes]
+        labels = [label for sampler in self._samplers for label in sampler.labels]
+        self.history = History([TIME_LABEL, *labels, *energy_labels(scene.dimension)])
+        if resume_after is not None:
+            self.history = self._continued(Path(path), resume_after)
+        self._path = Path(path)
+        self._path.parent.mkdir(parents=True, exist_ok=True)
+        write_history(path, self.history)
+
+    def observe(self, view: View) -> None:
+        """Add a row, unless there is one of this moment already: the last before the run was interrupted.
+
+        Raises:
+            RunError: The file cannot be written.
+        """
+        if view.time <= self.history.last_time:
+            return
+        row = [view.time]
+        for sampler in self._samplers:
+            row.extend(float(value) for value in sampler.sample(view))
+        row.extend(getattr(view.energy, name) for name in ENERGY_NAMES)
+        self.history.append(row)
+        self._write(row)
+
+    def close(self) -> None:
+        """Do nothing: the file is complete after every row."""
+
+    def _write(self, row: list[float]) -> None:
+        try:
+            with self._path.open("a", newline="", encoding="utf-8") as file:
+                csv.writer(file, lineterminator="\n").writerow(format_row(row))
+        except OSError as error:
+            raise RunError(f"{self._path}: cannot be written: {error.strerror}") from error
+
+    def _continued(self, path: Path, after: float) -> History:
+        history = read_history(path)
+        if history.labels != self.history.labels:
+            raise InputError(str(path), "", "has other columns than this case records; start a new run")
+        return history.until(after)

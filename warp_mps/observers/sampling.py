@@ -1,0 +1,128 @@
+"""Evaluation of probes: everything that depends on the reference configuration alone is found once."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from warp_mps.checks import place
+from warp_mps.errors import InputError
+from warp_mps.history import COMPONENTS
+from warp_mps.observers.base import View
+from warp_mps.observers.interpolation import interpolate
+from warp_mps.particles import Particles, select
+from warp_mps.scene import Probe, Scene
+
+UNITS = {
+    "position": ("m", "m"),
+    "displacement": ("m", "m"),
+    "velocity": ("m/s", "m/s"),
+    "rotation": ("rad", "rad"),
+    "extent": ("m", "m"),
+    "momentum": ("kg/s", "kg m/s"),
+    "angular_momentum": ("kg m/s", "kg m^2/s"),
+    "contact_force": ("N/m", "N"),
+    "reaction": ("N/m", "N"),
+}
+"""Unit of each quantity in 2-D (per metre of depth where extensive) and in 3-D."""
+
+AXIAL = ("rotation", "angular_momentum")
+Sample = Callable[[View], np.ndarray]
+
+
+@dataclass(frozen=True)
+class Sampler:
+    """A probe ready to be evaluated.
+
+    Attributes:
+        labels: Labels of its columns, e.g. ``tip.x [m]``.
+        sample: Gives the values, one for each label, at a moment of the run.
+    """
+
+    labels: tuple[str, ...]
+    sample: Sample
+
+
+def make_sampler(probe: Probe, scene: Scene, particles: Particles) -> Sampler:
+    """Prepare a probe.
+
+    Raises:
+        InputError: The probe lies outside every body, or its region holds no particle.
+    """
+    if probe.body is not None:
+        sample = _of_body(probe.quantity, particles, particles.names.index(probe.body))
+    elif probe.support is not None:
+        support = next(support for support in scene.supports if support.name == probe.support)
+        sample = _sum("reactions", select(particles, support.region, support.bodies))
+    else:
+        sample = _of_place(probe, particles)
+    return Sampler(_labels(probe, scene.dimension), sample)
+
+
+def _labels(probe: Probe, dimension: int) -> tuple[str, ...]:
+    unit = UNITS[probe.quantity][dimension - 2]
+    if probe.quantity in AXIAL and dimension == 2:
+        return (f"{probe.name} [{unit}]",)
+    return tuple(f"{probe.name}.{axis} [{unit}]" for axis in COMPONENTS[:dimension])
+
+
+def _of_place(probe: Probe, particles: Particles) -> Sample:
+    where = place(probe, "probe")
+    if probe.point is not None:
+        origin = np.asarray(probe.point, dtype=float)
+        indices, weights = interpolate(particles, origin, where)
+        return _mean(probe.quantity, origin, indices, weights)
+    assert probe.region is not None
+    indices = select(particles, probe.region)
+    if len(indices) == 0:
+        raise InputError(where, "region", "holds no particle: it must reach into a body")
+    weights = np.full(len(indices), 1.0 / len(indices))
+    return _mean(probe.quantity, weights @ particles.positions[indices], indices, weights)
+
+
+def _of_body(quantity: str, particles: Particles, body: int) -> Sample:
+    first, last = particles.ranges[body]
+    indices = np.arange(first, last)
+    masses = particles.masses[indices]
+    if quantity == "contact_force":
+        return _sum("contact_forces", indices)
+    if quantity == "momentum":
+        return lambda view: masses @ view.velocities[indices]
+    if quantity == "angular_momentum":
+        return _angular_momentum(particles, indices)
+    if quantity == "extent":
+        return lambda view: np.ptp(view.positions[indices], axis=0)
+    weights = masses / masses.sum()
+    return _mean(quantity, weights @ particles.positions[indices], indices, weights)
+
+
+def _mean(quantity: str, origin: np.ndarray, indices: np.ndarray, weights: np.ndarray) -> Sample:
+    """Weighted mean of a field; a position is the origin moved by the mean displacement, to lose no digits."""
+    if quantity == "position":
+        return lambda view: origin + weights @ view.displacements[indices]
+    field = {"displacement": "displacements", "velocity": "velocities", "rotation": "rotations"}[quantity]
+    return lambda view: weights @ getattr(view, field)[indices]
+
+
+def _sum(field: str, indices: np.ndarray) -> Sample:
+    return lambda view: getattr(view, field)[indices].sum(axis=0)
+
+
+def _angular_momentum(particles: Particles, indices: np.ndarray) -> Sample:
+    """Sum of x cross m v about the scene's origin and of the particles' spin I omega, I = m l0^2/6."""
+    masses = particles.masses[indices, None]
+    inertias = masses * particles.spacings[indices, None] ** 2 / 6.0
+
+    def sample(view: View) -> np.ndarray:
+        orbital = _cross(view.positions[indices], masses * view.velocities[indices])
+        return (orbital + inertias * view.angular_velocities[indices]).sum(axis=0)
+
+    return sample
+
+
+def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    if a.shape[1] == 2:
+        return a[:, :1] * b[:, 1:] - a[:, 1:] * b[:, :1]
+    return np.cross(a, b)

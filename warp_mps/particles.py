@@ -1,0 +1,183 @@
+"""Particles: what the shapes of a scene become when they are filled on a lattice."""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import dataclass
+
+import numpy as np
+
+from warp_mps.checks import place
+from warp_mps.errors import InputError
+from warp_mps.fields import velocity
+from warp_mps.scene import Body, Load, Scene, Support
+from warp_mps.shapes import Points, Shape, contains, fill, particle_count
+
+# a face of a region holds the particles that lie on it, whatever the rounding
+REGION_TOLERANCE = 1e-6
+# in particle spacings: bodies that touch put no particle deeper than this below each other's surface, and none closer
+# to another's particle than half a spacing
+SURFACE = 1e-3
+OVERLAP = 0.499
+
+
+@dataclass(frozen=True, kw_only=True)
+class Particles:
+    """The particles of a scene in their reference configuration, body after body, each sorted by cell.
+
+    Attributes:
+        names: Names of the bodies, in order.
+        ranges: First and one past the last particle of each body, shape [bodies, 2].
+        positions: Reference positions X [m], shape [n, dimension].
+        velocities: Initial velocities [m/s], shape [n, dimension].
+        angular_velocities: Initial angular velocities [rad/s], shape [n, 1] in 2-D and [n, 3] in 3-D.
+        masses: Masses [kg], in 2-D [kg/m], shape [n].
+        spacings: Particle spacing l0 [m], shape [n].
+        bodies: Index of the body of each particle, shape [n].
+        groups: Index of the group of bonded bodies of each particle, shape [n].
+        ids: Identifiers, stable whatever the order, unique in the scene, shape [n].
+    """
+
+    names: tuple[str, ...]
+    ranges: np.ndarray
+    positions: np.ndarray
+    velocities: np.ndarray
+    angular_velocities: np.ndarray
+    masses: np.ndarray
+    spacings: np.ndarray
+    bodies: np.ndarray
+    groups: np.ndarray
+    ids: np.ndarray
+
+    @property
+    def count(self) -> int:
+        """Number of particles."""
+        return len(self.positions)
+
+    @property
+    def dimension(self) -> int:
+        """2 or 3."""
+        return int(self.positions.shape[1])
+
+
+def count_particles(scene: Scene) -> dict[str, int]:
+    """Number of particles of each body, at most, found without filling anything."""
+    return {
+        body.name: particle_count(body.shape, body.spacing, scene.dimension, body.node_axes) for body in scene.bodies
+    }
+
+
+def fill_scene(scene: Scene) -> Particles:
+    """Fill the bodies of a scene with particles.
+
+    Raises:
+        InputError: A body is thinner than one particle, or two bodies overlap.
+    """
+    parts = [_fill_body(scene, body) for body in scene.bodies]
+    counts = np.array([len(positions) for positions, _, _ in parts])
+    ends = np.cumsum(counts)
+    of_body = np.repeat(np.arange(len(parts)), counts)
+    spacings = np.array([body.spacing for body in scene.bodies])[of_body]
+    densities = np.array([body.material.density for body in scene.bodies])[of_body]
+    particles = Particles(
+        names=tuple(body.name for body in scene.bodies),
+        ranges=np.column_stack((ends - counts, ends)),
+        positions=np.concatenate([positions for positions, _, _ in parts]),
+        velocities=np.concatenate([velocities for _, velocities, _ in parts]),
+        angular_velocities=np.concatenate([spins for _, _, spins in parts]),
+        masses=densities * spacings**scene.dimension,
+        spacings=spacings,
+        bodies=of_body,
+        groups=_groups(scene)[of_body],
+        ids=np.arange(int(ends[-1])),
+    )
+    _refuse_overlap(scene, particles)
+    return particles
+
+
+def select(particles: Particles, region: Shape, bodies: tuple[str, ...] = ()) -> np.ndarray:
+    """Indices of the particles whose reference position lies in a region.
+
+    Args:
+        particles: The particles.
+        region: The region; its faces belong to it.
+        bodies: Names of the bodies to look at, all when empty.
+    """
+    inside = contains(region, particles.positions, REGION_TOLERANCE * float(particles.spacings.min()))
+    if bodies:
+        inside &= np.isin(particles.bodies, [particles.names.index(name) for name in bodies])
+    return np.flatnonzero(inside)
+
+
+def select_held(particles: Particles, item: Support | Load) -> np.ndarray:
+    """Indices of the particles that a support holds or a load acts on.
+
+    Raises:
+        InputError: There is none.
+    """
+    found = select(particles, item.region, item.bodies)
+    if len(found) == 0:
+        kind = "support" if isinstance(item, Support) else "load"
+        raise InputError(place(item, kind), "region", f"the {kind} holds no particle: its region must reach into a body")
+    return found
+
+
+def _fill_body(scene: Scene, body: Body) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Positions, velocities and angular velocities of a body's particles."""
+    where = place(body, "body")
+    positions = fill(body.shape, body.spacing, scene.dimension, node_axes=body.node_axes, where=where)
+    velocities = np.zeros_like(positions)
+    if isinstance(body.shape, Points) and body.shape.velocities is not None:
+        velocities += np.asarray(body.shape.velocities, float)[:, : scene.dimension]
+    if body.velocity is not None:
+        velocities += np.asarray(body.velocity, float)
+    if body.velocity_field is not None:
+        velocities += velocity(body.velocity_field, positions)
+    spins = np.zeros((len(positions), 2 * scene.dimension - 3))
+    if body.angular_velocity is not None:
+        spins += np.atleast_1d(np.asarray(body.angular_velocity, float))
+        velocities += _spin_velocity(spins, positions - positions.mean(axis=0))
+    order = _cell_order(positions, body.spacing * scene.elasticity.effective_radius)
+    return positions[order], velocities[order], spins[order]
+
+
+def _spin_velocity(spins: np.ndarray, arms: np.ndarray) -> np.ndarray:
+    """Velocity omega x r, in 2-D with omega along the normal."""
+    if arms.shape[1] == 2:
+        return spins * np.column_stack((-arms[:, 1], arms[:, 0]))
+    return np.cross(spins, arms)
+
+
+def _cell_order(positions: np.ndarray, cell: float) -> np.ndarray:
+    """Order by cells of a few neighbours' width: what is near in space is then near in memory."""
+    cells = np.floor((positions - positions.min(axis=0)) / (2.0 * cell) + 1e-9).astype(np.int64)
+    return np.lexsort((*positions.T[::-1], *cells.T[::-1]))
+
+
+def _groups(scene: Scene) -> np.ndarray:
+    """Index of the group of each body: bodies that are bonded, directly or through others, share one."""
+    names = [body.name for body in scene.bodies]
+    groups = np.arange(len(names))
+    for i, body in enumerate(scene.bodies):
+        for name in body.bonded_to:
+            j = names.index(name)
+            if not np.isclose(scene.bodies[j].spacing, body.spacing, rtol=1e-9):
+                raise InputError(place(body, "body"), "spacing", f"differs from that of {name!r}, which it is bonded to")
+            groups[groups == groups[j]] = groups[i]
+    return groups
+
+
+def _refuse_overlap(scene: Scene, particles: Particles) -> None:
+    """Refuse a particle inside another body, or on top of another body's particle."""
+    for a, b in itertools.permutations(range(len(scene.bodies)), 2):
+        positions = particles.positions[slice(*particles.ranges[a])]
+        others = particles.positions[slice(*particles.ranges[b])]
+        mean_spacing = 0.5 * (scene.bodies[a].spacing + scene.bodies[b].spacing)
+        near = np.all((positions > others.min(0) - mean_spacing) & (positions < others.max(0) + mean_spacing), axis=1)
+        positions = positions[near]
+        bad = contains(scene.bodies[b].shape, positions, -SURFACE * mean_spacing)
+        bad |= contains(Points(others), positions, OVERLAP * mean_spacing)
+        if bad.any():
+            at = ", ".join(f"{c:.6g}" for c in positions[np.argmax(bad)])
+            reason = f"overlaps {place(scene.bodies[b], 'body')} at ({at}) m; bodies may touch but not share space"
+            raise InputError(place(scene.bodies[a], "body"), "shape", reason)

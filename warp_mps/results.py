@@ -1,0 +1,143 @@
+"""The summary of a run, run.json: what ran, how it ended, how fast it was, and what was measured."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import math
+import os
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from warp_mps.energy import ENERGY_NAMES
+from warp_mps.errors import InputError
+from warp_mps.history import History
+from warp_mps.measure import evaluate
+
+if TYPE_CHECKING:
+    from warp_mps.scene import Measurement, Scene
+
+STATUSES = ("running", "done", "failed")
+
+
+@dataclass(kw_only=True)
+class RunSummary:
+    """What run.json holds.
+
+    Attributes:
+        case: Name of the case.
+        status: One of `STATUSES`.
+        reason: Why the run failed, else empty.
+        device: Device that it ran on.
+        precision: ``float64`` or ``float32``.
+        versions: Versions of the program and of what it stands on, by name.
+        dimension: 2 or 3.
+        particles: Number of particles of each body.
+        steps: Steps done.
+        time: Simulated time [s].
+        wall_seconds: Wall time of the steps [s].
+        particle_steps_per_second: Speed [1/s], under ``solid`` and ``fluid``.
+        energy: Energies at the end and ``drift``; see :func:`energy_record`.
+        momentum_error: Momentum that came from nowhere, as a part of the momentum that was exchanged [-].
+        measurements: Results; see :func:`measurement_rows`.
+    """
+
+    case: str
+    status: str = "running"
+    reason: str = ""
+    device: str = "cpu"
+    precision: str = "float64"
+    versions: dict[str, str] = field(default_factory=dict)
+    dimension: int = 2
+    particles: dict[str, int] = field(default_factory=dict)
+    steps: int = 0
+    time: float = 0.0
+    wall_seconds: float = 0.0
+    particle_steps_per_second: dict[str, float | None] = field(default_factory=dict)
+    energy: dict[str, float | None] = field(default_factory=dict)
+    momentum_error: float | None = None
+    measurements: list[dict[str, Any]] = field(default_factory=list)
+
+    def write(self, path: str | Path) -> None:
+        """Write run.json in one atomic step; a number that is not finite becomes null."""
+        text = json.dumps(_finite(dataclasses.asdict(self)), indent=2, allow_nan=False)
+        temporary = Path(path).with_suffix(".new")
+        temporary.parent.mkdir(parents=True, exist_ok=True)
+        temporary.write_text(text + "\n", encoding="utf-8")
+        os.replace(temporary, path)
+
+
+def read_summary(path: str | Path) -> RunSummary:
+    """Read run.json; keys that this version does not know are passed over.
+
+    Raises:
+        InputError: The file is missing or is not the summary of a run.
+    """
+    try:
+        data = json.loads(Path(path).read_text(encoding="utf-8"))
+    except OSError as error:
+        raise InputError(str(path), "", f"cannot be read: {error.strerror}") from error
+    except ValueError as error:
+        raise InputError(str(path), "", f"is not valid JSON: {error}") from error
+    if not isinstance(data, dict) or "case" not in data or data.get("status") not in STATUSES:
+        raise InputError(str(path), "", "is not the summary of a run: a case and a status are missing")
+    known = {item.name for item in dataclasses.fields(RunSummary)}
+    return RunSummary(**{name: value for name, value in data.items() if name in known})
+
+
+def energy_record(history: History) -> dict[str, float | None]:
+    """Energies at the end of a history and their relative drift.
+
+    The drift is the largest change of the energy balance (:class:`warp_mps.energy.Energy`), divided by the largest
+    of the energy that motion and deformation held and of the work put in.
+    """
+    energies = history.energies()
+    if not energies:
+        return {}
+    record: dict[str, float | None] = {name: getattr(energies[-1], name) for name in ENERGY_NAMES}
+    scale = max(max(energy.exchanged, abs(energy.work)) for energy in energies)
+    drift = max(abs(energy.balance - energies[0].balance) for energy in energies)
+    record["drift"] = drift / scale if scale > 0.0 else 0.0
+    return record
+
+
+def measurement_rows(scene: Scene, history: History) -> list[dict[str, Any]]:
+    """Evaluate all measurements of a scene.
+
+    Returns:
+        A row for each: ``name, value, unit, reference, error, source``. The error is (value - reference)/|reference|,
+        None without a reference or where it is 0. A value that cannot be drawn is None, and ``reason`` then says why.
+    """
+    return [_row(measurement, history) for measurement in scene.measurements]
+
+
+def _row(measurement: Measurement, history: History) -> dict[str, Any]:
+    row: dict[str, Any] = {
+        "name": measurement.name,
+        "value": None,
+        "unit": measurement.unit,
+        "reference": measurement.reference,
+        "error": None,
+        "source": measurement.source,
+    }
+    try:
+        values = history.probe(measurement.probe, measurement.component)
+        row["value"] = evaluate(measurement, history.times, values)
+    except (ValueError, KeyError) as error:
+        row["reason"] = str(error.args[0])
+        return row
+    if measurement.reference:
+        row["error"] = (row["value"] - measurement.reference) / abs(measurement.reference)
+    return row
+
+
+def _finite(value: Any) -> Any:
+    """The same structure with None for every number that is not finite, which JSON cannot hold."""
+    if isinstance(value, dict):
+        return {key: _finite(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_finite(item) for item in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value

@@ -1,0 +1,355 @@
+"""What a person describes: bodies, materials, supports, loads, probes and the answers to expect.
+
+A :class:`Scene` is plain data in SI units. It knows neither Warp nor USD: `warp_mps.usd` reads one from a stage and
+saves it as one, `warp_mps.particles` fills it with particles. A 2-D scene lies in the x-y plane of its own
+coordinates; quantities are then per metre of depth.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from warp_mps.shapes import Shape
+
+Vector = Sequence[float]
+
+ELASTIC_MODELS = ("springs",)
+NORMALIZATIONS = ("lattice", "particle")
+PLANE_MODELS = ("strain", "stress")
+CONTACTS = ("none", "bodies", "all")
+VELOCITY_FIELDS = ("sine", "free_free_beam", "clamped_free_beam")
+PROBE_QUANTITIES = {
+    "point": ("position", "displacement", "velocity", "rotation"),
+    "body": ("position", "displacement", "velocity", "momentum", "angular_momentum", "extent", "contact_force"),
+    "support": ("reaction",),
+}
+MEASURES = (
+    "frequency",
+    "amplitude",
+    "mean",
+    "minimum",
+    "maximum",
+    "final",
+    "restitution",
+    "contact_time",
+    "harmonic_amplitude",
+    "harmonic_phase",
+)
+
+
+@dataclass(frozen=True)
+class Material:
+    """A linear elastic, isotropic material.
+
+    Attributes:
+        density: Mass density rho [kg/m^3].
+        youngs_modulus: Young's modulus E [Pa].
+        poissons_ratio: Poisson's ratio nu [-]: -1 < nu < 0.5, and -1 < nu < 1 in plane stress.
+        path: Where it was described, for error messages.
+    """
+
+    density: float
+    youngs_modulus: float
+    poissons_ratio: float
+    path: str = field(default="material", kw_only=True)
+
+
+@dataclass(frozen=True, kw_only=True)
+class VelocityField:
+    """An initial velocity that varies along a body: v(x) = amplitude * shape(mode, s / length).
+
+    s = (x - origin) . axis runs from 0 to `length`. The shapes are ``sine`` (sin(mode pi s / length)) and the
+    bending modes of a uniform beam, ``free_free_beam`` and ``clamped_free_beam``, scaled to 1 at s = length
+    (Rao, Mechanical Vibrations, section 8.5).
+
+    Attributes:
+        kind: One of `VELOCITY_FIELDS`.
+        amplitude: Velocity where the shape is 1 [m/s].
+        axis: Unit direction along which the shape varies.
+        origin: Point where s = 0 [m].
+        length: Length of the body along the axis [m].
+        mode: Number of the mode, from 1.
+    """
+
+    kind: str
+    amplitude: Vector
+    axis: Vector
+    origin: Vector
+    length: float
+    mode: int = 1
+
+
+@dataclass(frozen=True, kw_only=True)
+class HarmonicMotion:
+    """A prescribed displacement amplitude * (sin(2 pi f t + phase) - sin(phase)), zero at t = 0.
+
+    Attributes:
+        amplitude: Amplitude of each component [m].
+        frequency: Frequency f [Hz].
+        phase: Phase [rad].
+    """
+
+    amplitude: Vector
+    frequency: float
+    phase: float = 0.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class TableMotion:
+    """A prescribed displacement, linear between the rows of a table and constant outside it.
+
+    Attributes:
+        times: Times, increasing [s], shape [n].
+        displacements: Displacements [m], shape [n, dimension].
+    """
+
+    times: np.ndarray
+    displacements: np.ndarray
+
+
+@dataclass(frozen=True, kw_only=True)
+class Support:
+    """A region whose particles are held, along some axes or along all, at rest or on a prescribed motion.
+
+    Attributes:
+        name: Name, unique in the scene.
+        region: Particles whose initial position lies in this shape are held.
+        axes: Held axes (0 is x), all when empty; a roller holds one.
+        bodies: Names of the bodies it acts on, all when empty.
+        motion: Prescribed displacement of the held axes; None holds them at rest.
+        hold_rotation: Whether the particles' rotation is held too; None holds it when every axis is held (a clamp).
+        path: Where it was described, for error messages.
+    """
+
+    name: str
+    region: Shape
+    axes: tuple[int, ...] = ()
+    bodies: tuple[str, ...] = ()
+    motion: HarmonicMotion | TableMotion | None = None
+    hold_rotation: bool | None = None
+    path: str = ""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Load:
+    """A force on the particles of a region: its value times sin(2 pi f t + phase), constant when f = 0.
+
+    Attributes:
+        name: Name, unique in the scene.
+        region: Particles whose initial position lies in this shape are loaded.
+        force: Total force, shared in proportion to mass [N] (2-D: [N/m]).
+        acceleration: Force per mass, added to `force` [m/s^2].
+        frequency: Frequency f [Hz].
+        phase: Phase [rad].
+        bodies: Names of the bodies it acts on, all when empty.
+        path: Where it was described, for error messages.
+    """
+
+    name: str
+    region: Shape
+    force: Vector | None = None
+    acceleration: Vector | None = None
+    frequency: float = 0.0
+    phase: float = 0.0
+    bodies: tuple[str, ...] = ()
+    path: str = ""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Body:
+    """An elastic body, filled with particles on a regular lattice.
+
+    Attributes:
+        name: Name, unique in the scene and a valid USD prim name.
+        shape: Region it fills.
+        material: What it is made of.
+        spacing: Particle spacing l0 [m].
+        velocity: Initial velocity [m/s].
+        angular_velocity: Initial angular velocity about the centre of mass [rad/s]: a number in 2-D, 3 numbers in 3-D.
+        velocity_field: Initial velocity that varies along the body, added to `velocity`.
+        node_axes: Axes of the shape along which the outermost particles lie on its faces; along the others they lie
+            half a spacing inside.
+        bonded_to: Names of bodies that it is joined to: their particles are neighbours as if of one body.
+        path: Where it was described, for error messages.
+    """
+
+    name: str
+    shape: Shape
+    material: Material
+    spacing: float
+    velocity: Vector | None = None
+    angular_velocity: float | Vector | None = None
+    velocity_field: VelocityField | None = None
+    node_axes: tuple[int, ...] = ()
+    bonded_to: tuple[str, ...] = ()
+    path: str = ""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Probe:
+    """A quantity recorded through the run: at a point, averaged over a region, of a body, or of a support.
+
+    Exactly one of `point`, `region`, `body` and `support` is given; `PROBE_QUANTITIES` lists what each can record
+    (a region records what a point does).
+
+    Attributes:
+        name: Name, the column of probes.csv.
+        quantity: What is recorded.
+        point: Point of the undeformed scene, inside a body [m].
+        region: Shape over whose particles the mean is taken.
+        body: Name of a body.
+        support: Name of a support.
+        path: Where it was described, for error messages.
+    """
+
+    name: str
+    quantity: str = "displacement"
+    point: Vector | None = None
+    region: Shape | None = None
+    body: str | None = None
+    support: str | None = None
+    path: str = ""
+
+    @property
+    def where(self) -> str:
+        """The kind of place it records at, a key of `PROBE_QUANTITIES`."""
+        return "body" if self.body is not None else "support" if self.support is not None else "point"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Measurement:
+    """A number drawn from a probe's history after the run, beside the value it should have.
+
+    Attributes:
+        name: Name of the result, e.g. ``first mode``.
+        measure: How it is drawn, one of `MEASURES` (`warp_mps.measure` defines each).
+        probe: Name of the probe.
+        component: Component of the probe (0 is x).
+        unit: Unit of the value, for display.
+        reference: The value to expect, if one is known.
+        source: Where the reference comes from.
+        start: Beginning of the history that is used [s].
+        end: End of the history that is used [s]; None is the end of the run.
+        frequency: Frequency of the harmonic measures [Hz].
+    """
+
+    name: str
+    measure: str
+    probe: str
+    component: int = 0
+    unit: str = ""
+    reference: float | None = None
+    source: str = ""
+    start: float = 0.0
+    end: float | None = None
+    frequency: float = 0.0
+    path: str = ""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Elasticity:
+    """The elastic model and its choices, the same for every body of a scene.
+
+    Attributes:
+        model: One of `ELASTIC_MODELS`.
+        effective_radius: Effective radius r_e in units of the particle spacing [-].
+        normalization: What the operators are normalized by: ``lattice`` (n0 of a full lattice, as in eq. 14) or
+            ``particle`` (the particle's own n_i, as in eq. 6).
+    """
+
+    model: str = "springs"
+    effective_radius: float = 2.1
+    normalization: str = "lattice"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Contact:
+    """How particles that are not neighbours in the reference configuration repel each other.
+
+    Attributes:
+        between: ``bodies`` (different bodies), ``all`` (also a body and itself), or ``none``.
+        stiffness: Contact stiffness in units of E l0^(d-2) [-], of the softer of the two materials.
+    """
+
+    between: str = "bodies"
+    stiffness: float = 1.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class StageFrame:
+    """How the scene lies in the stage that it was read from, and in which results are written.
+
+    Attributes:
+        axes: The stage's axes along which the scene's axes lie: ``xyz`` in 3-D, and ``xy``, ``xz`` or ``yz`` in 2-D.
+        up_axis: Up axis of the stage, ``Y`` or ``Z``.
+        meters_per_unit: Length of the stage's unit [m].
+        kilograms_per_unit: Mass of the stage's unit [kg].
+    """
+
+    axes: str = "xy"
+    up_axis: str = "Y"
+    meters_per_unit: float = 1.0
+    kilograms_per_unit: float = 1.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Scene:
+    """A case: everything that a run needs to know, in SI units.
+
+    Attributes:
+        name: Name of the case.
+        bodies: Elastic bodies.
+        duration: Simulated time [s].
+        dimension: 2 or 3.
+        plane: ``strain`` or ``stress``, in 2-D.
+        gravity: Acceleration of gravity [m/s^2], shape [dimension].
+        supports: Held regions.
+        loads: Forces.
+        probes: Recorded quantities.
+        measurements: Numbers drawn from the probes, with their references.
+        elasticity: The elastic model.
+        contact: Contact between bodies.
+        damping: Mass-proportional damping: force -damping * m * v [1/s].
+        frame_rate: Saved frames per simulated second [1/s].
+        sample_rate: Rows of probes.csv per simulated second [1/s]; None is `frame_rate`.
+        time_step: Time step [s]; None derives it from `courant`.
+        courant: Time step in units of l0 / c_p, c_p the speed of pressure waves [-].
+        stage: How the scene lies in its stage; None is the x-y plane, or x, y, z in 3-D, of a stage in SI units.
+        path: Where it was described, for error messages.
+
+    Raises:
+        InputError: Something in it is not allowed; see `warp_mps.checks`.
+    """
+
+    bodies: tuple[Body, ...]
+    duration: float
+    name: str = "case"
+    dimension: int = 2
+    plane: str = "strain"
+    gravity: Vector = ()
+    supports: tuple[Support, ...] = ()
+    loads: tuple[Load, ...] = ()
+    probes: tuple[Probe, ...] = ()
+    measurements: tuple[Measurement, ...] = ()
+    elasticity: Elasticity = Elasticity()
+    contact: Contact = Contact()
+    damping: float = 0.0
+    frame_rate: float = 100.0
+    sample_rate: float | None = None
+    time_step: float | None = None
+    courant: float = 0.25
+    stage: StageFrame | None = None
+    path: str = "scene"
+
+    def __post_init__(self) -> None:
+        from warp_mps.checks import check_scene
+
+        check_scene(self)
+
+    @property
+    def frame(self) -> StageFrame:
+        """How the scene lies in its stage."""
+        return self.stage or StageFrame(axes="xyz"[: self.dimension])

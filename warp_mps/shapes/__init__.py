@@ -1,0 +1,10 @@
+"""Shapes: the regions of space that bodies fill and that supports, loads and probes act on.
+
+Shapes are three-dimensional and lie in the scene's coordinates; a two-dimensional scene uses their section at z = 0.
+"""
+
+from warp_mps.shapes.filling import contains, fill, particle_count
+from warp_mps.shapes.primitives import Box, Cylinder, Shape, Sphere
+from warp_mps.shapes.sampled import Mesh, Points
+
+__all__ = ["Box", "Cylinder", "Mesh", "Points", "Shape", "Sphere", "contains", "fill", "particle_count"]

@@ -1,0 +1,202 @@
+"""The placement of a shape, and the shapes with a formula: box, sphere, cylinder."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from warp_mps.errors import InputError
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Shape:
+    """A region of space, placed in the scene.
+
+    Attributes:
+        placement: Affine map from the shape's own coordinates to the scene's,
+            x_scene = placement[:3, :3] @ x + placement[:3, 3], shape [4, 4]; None is the identity.
+    """
+
+    placement: np.ndarray | None = None
+
+    def __post_init__(self) -> None:
+        if self.placement is None:
+            return
+        placement = np.asarray(self.placement, float)
+        if placement.shape != (4, 4) or not np.isfinite(placement).all() or np.linalg.det(placement[:3, :3]) == 0:
+            raise InputError(self._kind, "placement", "must be a finite, invertible 4 x 4 matrix")
+        object.__setattr__(self, "placement", placement)
+
+    @property
+    def _kind(self) -> str:
+        return type(self).__name__
+
+    @property
+    def linear(self) -> np.ndarray:
+        """Linear part of the placement, shape [3, 3]."""
+        return np.eye(3) if self.placement is None else self.placement[:3, :3]
+
+    @property
+    def translation(self) -> np.ndarray:
+        """Translation of the placement [m], shape [3]."""
+        return np.zeros(3) if self.placement is None else self.placement[:3, 3]
+
+    def to_scene(self, points: np.ndarray) -> np.ndarray:
+        """Map points from the shape's own coordinates to the scene's, shape [n, 3]."""
+        return points @ self.linear.T + self.translation
+
+    def interval(self, direction: np.ndarray) -> tuple[float, float]:
+        """Least and greatest coordinate of the placed shape along a unit direction of the scene [m]."""
+        raise NotImplementedError
+
+    def inside(self, points: np.ndarray, tolerance: float) -> np.ndarray:
+        """Whether points of the scene, shape [n, 3], lie in the shape or within a tolerance [m] of it."""
+        raise NotImplementedError
+
+    def _set(self, name: str, value: object) -> None:
+        object.__setattr__(self, name, value)
+
+    def _positive(self, name: str, value: float) -> None:
+        if not value > 0:
+            raise InputError(self._kind, name, f"must be positive, not {value}")
+
+
+class _Implicit(Shape):
+    """A shape whose own centre and half extents are known, bounded by smooth faces."""
+
+    center: Sequence[float]
+
+    def _half_extent(self, direction: np.ndarray) -> float:
+        raise NotImplementedError
+
+    def _faces(self, local: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
+        """Distance outside each face [n] and its normal [n, 3] or [3], both in the shape's own coordinates."""
+        raise NotImplementedError
+
+    def interval(self, direction: np.ndarray) -> tuple[float, float]:
+        """Least and greatest coordinate of the placed shape along a unit direction of the scene [m]."""
+        middle = float(direction @ (self.linear @ np.asarray(self.center) + self.translation))
+        half = self._half_extent(self.linear.T @ direction)
+        return middle - half, middle + half
+
+    def inside(self, points: np.ndarray, tolerance: float) -> np.ndarray:
+        """Whether points of the scene, shape [n, 3], lie in the shape or within a tolerance [m] of it."""
+        inverse = np.linalg.inv(self.linear)
+        local = (points - self.translation) @ inverse.T - np.asarray(self.center)
+        result = np.ones(len(points), bool)
+        for distance, normal in self._faces(local):
+            # A normal through the inverse map turns a length of the scene into one of the shape's own coordinates.
+            result &= distance <= tolerance * np.linalg.norm(normal @ inverse, axis=-1)
+        return result
+
+
+@dataclass(frozen=True, eq=False)
+class Box(_Implicit):
+    """A box along its own axes.
+
+    Attributes:
+        size: Edge lengths [m], 3 numbers, or 2 for a box that is infinitely deep along z.
+        center: Centre [m], 2 or 3 numbers.
+    """
+
+    size: Sequence[float]
+    center: Sequence[float] = (0.0, 0.0, 0.0)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self._set("size", _padded(self, "size", np.inf))
+        self._set("center", _padded(self, "center", 0.0))
+        for length in self.size:
+            self._positive("size", length)
+
+    def _half_extent(self, direction: np.ndarray) -> float:
+        parts = zip(np.abs(direction), self.size, strict=True)
+        # A component that is zero but for rounding must not bring in the infinite depth of a 2-D box.
+        return float(sum(0.5 * part * length for part, length in parts if part > 1e-12))
+
+    def _faces(self, local: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
+        return [(np.abs(local[:, k]) - 0.5 * self.size[k], np.eye(3)[k]) for k in range(3)]
+
+
+@dataclass(frozen=True, eq=False)
+class Sphere(_Implicit):
+    """A sphere.
+
+    Attributes:
+        radius: Radius [m].
+        center: Centre [m], 2 or 3 numbers.
+    """
+
+    radius: float
+    center: Sequence[float] = (0.0, 0.0, 0.0)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self._set("center", _padded(self, "center", 0.0))
+        self._positive("radius", self.radius)
+
+    def _half_extent(self, direction: np.ndarray) -> float:
+        return float(self.radius * np.linalg.norm(direction))
+
+    def _faces(self, local: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
+        distance = np.linalg.norm(local, axis=1)
+        return [(distance - self.radius, _directions(local, distance))]
+
+
+@dataclass(frozen=True, eq=False)
+class Cylinder(_Implicit):
+    """A cylinder, or a tube; in a 2-D scene and along z, a disk or a ring.
+
+    Attributes:
+        radius: Outer radius [m].
+        height: Length along its axis [m].
+        axis: Its axis, ``x``, ``y`` or ``z``.
+        center: Centre [m], 2 or 3 numbers.
+        inner_radius: Radius of the bore [m].
+    """
+
+    radius: float
+    height: float = np.inf
+    axis: str = "z"
+    center: Sequence[float] = (0.0, 0.0, 0.0)
+    inner_radius: float = 0.0
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self._set("center", _padded(self, "center", 0.0))
+        self._positive("radius", self.radius)
+        self._positive("height", self.height)
+        if self.axis not in ("x", "y", "z"):
+            raise InputError(self._kind, "axis", f"must be x, y or z, not {self.axis!r}")
+        if not 0 <= self.inner_radius < self.radius:
+            raise InputError(self._kind, "inner_radius", f"must be at least 0 and less than the radius {self.radius}")
+
+    def _half_extent(self, direction: np.ndarray) -> float:
+        along = direction["xyz".index(self.axis)]
+        across = np.sqrt(max(0.0, direction @ direction - along**2))
+        ends = 0.5 * self.height * abs(along) if abs(along) > 1e-12 else 0.0
+        return float(self.radius * across + ends)
+
+    def _faces(self, local: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
+        along = "xyz".index(self.axis)
+        across = np.where(np.arange(3) == along, 0.0, local)
+        distance = np.linalg.norm(across, axis=1)
+        outward = _directions(across, distance)
+        faces = [(np.abs(local[:, along]) - 0.5 * self.height, np.eye(3)[along]), (distance - self.radius, outward)]
+        return [*faces, (self.inner_radius - distance, outward)] if self.inner_radius > 0 else faces
+
+
+def _padded(shape: Shape, name: str, depth: float) -> tuple[float, ...]:
+    """The 3 numbers of a field that may be given with 2, the depth added."""
+    values = tuple(float(value) for value in getattr(shape, name))
+    if len(values) not in (2, 3) or any(np.isnan(value) for value in values):
+        raise InputError(type(shape).__name__, name, f"must be 2 or 3 numbers, not {getattr(shape, name)}")
+    return values if len(values) == 3 else (*values, depth)
+
+
+def _directions(vectors: np.ndarray, lengths: np.ndarray) -> np.ndarray:
+    """Unit vectors; of a zero vector, one of the axes that is as good as any other here."""
+    safe = np.where(lengths > 0, lengths, 1.0)[:, None]
+    return np.where(lengths[:, None] > 0, vectors / safe, np.array([1.0, 0.0, 0.0]))

@@ -1,0 +1,238 @@
+"""The clock of a run: particles, time step, replayed graphs, and observers called with what they may see."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from warp_mps.elastic.material import pressure_wave_speed
+from warp_mps.energy import Energy
+from warp_mps.errors import RunError
+from warp_mps.particles import Particles, fill_scene
+from warp_mps.scene import Scene
+
+if TYPE_CHECKING:
+    from warp_mps.observers.base import Observer
+
+# steps in a graph that is replayed as one: long enough that the launch from Python does not count
+BLOCK = 32
+# the stiffest motion of the spring model, the rotation of single particles, is stable up to 0.58 l0 / c_p (nu = 0)
+COURANT_LIMIT = 0.55
+
+
+class Clock:
+    """Time step and schedule of a run.
+
+    Attributes:
+        dt: Time step [s].
+        steps: Number of steps of the run.
+        frame_every: Steps between saved frames.
+        sample_every: Steps between rows of probes.csv.
+        dt_limit: Largest time step that is stable for small deformations [s].
+    """
+
+    def __init__(self, scene: Scene) -> None:
+        crossing = min(
+            body.spacing / pressure_wave_speed(body.material, scene.dimension, scene.plane) for body in scene.bodies
+        )
+        # a contact as stiff as the material adds to the stiffness of the particles that touch
+        crossing /= math.sqrt(max(1.0, scene.contact.stiffness))
+        self.dt_limit = COURANT_LIMIT * crossing
+        frame = 1.0 / scene.frame_rate
+        samples = max(1, round((scene.sample_rate or scene.frame_rate) / scene.frame_rate))
+        if scene.time_step is None:
+            self.sample_every = max(1, math.ceil(frame / samples / (scene.courant * crossing)))
+            self.dt = frame / (samples * self.sample_every)
+        else:
+            self.sample_every = max(1, round(frame / samples / scene.time_step))
+            self.dt = scene.time_step
+        self.frame_every = samples * self.sample_every
+        self.steps = max(1, math.ceil(scene.duration / self.dt - 1e-6))
+
+
+class Simulation:
+    """A scene on a device, at one moment of its run.
+
+    ``Simulation(scene).run()`` computes the scene; `advance` does so by a number of steps. What it shows of itself
+    (`positions`, `energy`, ...) is what observers see, see `warp_mps.observers.base.View`.
+
+    Args:
+        scene: The case.
+        device: ``cpu``, or a CUDA device such as ``cuda:0``.
+        precision: ``float64`` or ``float32``.
+        graphs: Whether steps are replayed as graphs; else every kernel is launched by itself, with the same result.
+        announce: Called with a message when kernels have to be compiled first.
+
+    Raises:
+        InputError: The scene's bodies, supports or loads do not fit its particles, or there is no such device.
+    """
+
+    def __init__(
+        self,
+        scene: Scene,
+        *,
+        device: str = "cpu",
+        precision: str = "float64",
+        graphs: bool = True,
+        announce: Callable[[str], None] | None = None,
+    ) -> None:
+        # Warp is imported with the first simulation, not with the package
+        from warp_mps.core.device import load_modules, open_device
+        from warp_mps.core.kit import kit
+        from warp_mps.elastic.solid import Solid, declare_kernels
+
+        self.scene = scene
+        self.precision = precision
+        self.clock = Clock(scene)
+        self.particles: Particles = fill_scene(scene)
+        self.step = 0
+        self._device = open_device(device)
+        numbers = kit(scene.dimension, precision)
+        load_modules(declare_kernels(numbers), self._device, announce)
+        self.solid = Solid(scene, self.particles, dt=self.clock.dt, kit=numbers, device=self._device)
+        self.solid.start()
+        self._graphs: dict[int, Any] = {}
+        self._use_graphs = graphs
+        self._seen: dict[str, Any] = {}
+
+    @property
+    def device(self) -> str:
+        """Name of the device."""
+        return str(self._device)
+
+    @property
+    def dt(self) -> float:
+        """Time step [s]."""
+        return self.clock.dt
+
+    @property
+    def time(self) -> float:
+        """Simulated time [s]."""
+        return self.step * self.clock.dt
+
+    @property
+    def total_steps(self) -> int:
+        """Number of steps of the whole run."""
+        return self.clock.steps
+
+    def advance(self, steps: int) -> None:
+        """Advance by a number of time steps."""
+        self._seen.clear()
+        for _ in range(steps // BLOCK):
+            self._replay(BLOCK)
+        for _ in range(steps % BLOCK):
+            self._replay(1)
+        self.step += steps
+
+    def run(self, observers: Sequence[Observer] = ()) -> None:
+        """Advance to the end, showing the run to observers on the way; they are closed whatever happens.
+
+        Raises:
+            RunError: An observer has found that the run cannot go on.
+        """
+        try:
+            self._show(observers)
+            while self.step < self.total_steps:
+                due = min((o.every - self.step % o.every for o in observers), default=self.total_steps)
+                self.advance(min(due, self.total_steps - self.step))
+                self._show(observers)
+        finally:
+            for observer in observers:
+                observer.close()
+
+    @property
+    def displacements(self) -> np.ndarray:
+        """Displacements u = x - X [m], shape [n, d]."""
+        return self._once("u", lambda: self._host(self.solid.state.u))
+
+    @property
+    def positions(self) -> np.ndarray:
+        """Positions x [m], shape [n, d]."""
+        return self._once("x", lambda: self.particles.positions + self.displacements)
+
+    @property
+    def velocities(self) -> np.ndarray:
+        """Velocities [m/s], shape [n, d]."""
+        return self._once("v", lambda: self._host(self.solid.state.v))
+
+    @property
+    def rotations(self) -> np.ndarray:
+        """Rotation vectors [rad], shape [n, 1] in 2-D and [n, 3] in 3-D."""
+        from warp_mps.core.rotation import rotation_vectors
+
+        return self._once("q", lambda: rotation_vectors(self._host(self.solid.state.q)))
+
+    @property
+    def angular_velocities(self) -> np.ndarray:
+        """Angular velocities [rad/s], shape [n, 1] in 2-D and [n, 3] in 3-D."""
+        return self._once("omega", lambda: self._host(self.solid.state.omega))
+
+    @property
+    def pressures(self) -> np.ndarray:
+        """Pressures [Pa], shape [n]."""
+        return self._once("p", lambda: self.solid.model.pressures(self.solid.state))
+
+    @property
+    def contact_forces(self) -> np.ndarray:
+        """Contact forces on the particles [N], shape [n, d]."""
+        return self._once("contact", lambda: self._host(self.solid.state.contact))
+
+    @property
+    def reactions(self) -> np.ndarray:
+        """Forces that the supports exert on the particles [N], shape [n, d]."""
+        return self._once("reactions", self.solid.reactions)
+
+    @property
+    def energy(self) -> Energy:
+        """Energies of all particles [J], in 2-D [J/m]."""
+        return self._once("energy", self.solid.energy)
+
+    def state_arrays(self) -> dict[str, np.ndarray]:
+        """Everything that evolves, as host copies; `restore` continues from them to the same bits."""
+        return {"step": np.array(self.step), **self.solid.arrays()}
+
+    def restore(self, arrays: dict[str, np.ndarray]) -> None:
+        """Continue from arrays that `state_arrays` gave in a simulation of the same scene."""
+        self._seen.clear()
+        self.solid.assign(arrays)
+        self.step = int(arrays["step"])
+
+    def _replay(self, steps: int) -> None:
+        """Run some steps as one graph, captured when it is first needed."""
+        import warp as wp
+
+        if not self._use_graphs:
+            for _ in range(steps):
+                self.solid.step()
+            return
+        if steps not in self._graphs:
+            with wp.ScopedCapture(device=self._device) as capture:
+                for _ in range(steps):
+                    self.solid.step()
+            self._graphs[steps] = capture.graph
+        wp.capture_launch(self._graphs[steps])
+
+    def _show(self, observers: Sequence[Observer]) -> None:
+        last = self.step == self.total_steps
+        for observer in observers:
+            if last or self.step % observer.every == 0:
+                observer.observe(self)
+        contacts = self.solid.contacts
+        if contacts and (particle := contacts.overflowed()) is not None:
+            raise RunError(
+                f"particle {self.particles.ids[particle]} at t = {self.time:.6g} s meets more particles of other "
+                "bodies than a contact can hold: the bodies are crushed into each other; stiffen the contact"
+            )
+
+    def _once(self, name: str, evaluate: Callable[[], Any]) -> Any:
+        if name not in self._seen:
+            self._seen[name] = evaluate()
+        return self._seen[name]
+
+    @staticmethod
+    def _host(array: Any) -> np.ndarray:
+        return np.array(array.numpy(), dtype=float)
+

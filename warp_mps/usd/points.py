@@ -1,0 +1,176 @@
+"""A file of moving particles: a stage with one `UsdGeom.Points` a body."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from pxr import Gf, Sdf, Tf, Usd, UsdGeom, UsdPhysics, Vt
+
+from warp_mps.errors import InputError, RunError
+from warp_mps.particles import Particles
+
+if TYPE_CHECKING:
+    from warp_mps.scene import StageFrame
+
+ROOT = "/Result"
+PLAYBACK_RATE = 30.0
+PALETTE = (
+    (0.90, 0.38, 0.22),
+    (0.16, 0.50, 0.73),
+    (0.95, 0.71, 0.20),
+    (0.20, 0.63, 0.53),
+    (0.58, 0.40, 0.74),
+    (0.55, 0.57, 0.60),
+)
+
+
+class PointsFile:
+    """A stage of particles that is saved in place, frame by frame.
+
+    Args:
+        path: The file, which exists (:meth:`create` makes one).
+        particles: Particles of the scene.
+        frame: How the scene lies in the stage.
+    """
+
+    def __init__(self, path: Path, particles: Particles, frame: StageFrame) -> None:
+        self.path = path
+        self._stage = Usd.Stage.Open(str(path))
+        self._ranges = [(int(first), int(last)) for first, last in particles.ranges]
+        self._widths = [_width(particles, bounds, frame) for bounds in self._ranges]
+        self._points = [UsdGeom.Points(self._stage.GetPrimAtPath(f"{ROOT}/{name}")) for name in particles.names]
+
+    @classmethod
+    def create(cls, path: Path, particles: Particles, frame: StageFrame, *, frame_rate: float) -> PointsFile:
+        """Make a file without frames; `frame_rate` is in frames per simulated second [1/s]."""
+        stage = Usd.Stage.CreateNew(str(path))
+        _define_stage(stage, frame, frame_rate)
+        for index in range(len(particles.names)):
+            _define_body(stage, particles, index, frame)
+        stage.GetRootLayer().Save()
+        return cls(path, particles, frame)
+
+    def describe(self, provenance: Mapping[str, str | float | int]) -> None:
+        """Note in the layer's customLayerData where the result comes from."""
+        self._stage.GetRootLayer().customLayerData = dict(provenance)
+
+    def write(self, code: float, values: Mapping[str, np.ndarray]) -> None:
+        """Set the quantities at a time code; all particles, float32, shape [n] or [n, 3]."""
+        for index, (first, last) in enumerate(self._ranges):
+            self._write_body(index, code, {name: value[first:last] for name, value in values.items()})
+        if not self._stage.HasAuthoredTimeCodeRange():
+            self._stage.SetStartTimeCode(code)
+        self._stage.SetEndTimeCode(code)
+
+    def save(self) -> None:
+        """Save in place.
+
+        Raises:
+            RunError: The file cannot be written.
+        """
+        try:
+            saved = self._stage.GetRootLayer().Save()
+        except Tf.ErrorException as error:
+            raise RunError(f"{self.path}: cannot be written: {' '.join(str(error).split())}") from error
+        if not saved:
+            raise RunError(f"{self.path}: cannot be written")
+
+    def _write_body(self, index: int, code: float, values: Mapping[str, np.ndarray]) -> None:
+        points = self._points[index]
+        points.GetPointsAttr().Set(Vt.Vec3fArray.FromNumpy(values["points"]), code)
+        points.GetVelocitiesAttr().Set(Vt.Vec3fArray.FromNumpy(values["velocities"]), code)
+        box = extent(values["points"], self._widths[index])
+        points.GetExtentAttr().Set(Vt.Vec3fArray.FromNumpy(box), code)
+        for name, value in values.items():
+            if name not in ("points", "velocities"):
+                _set_primvar(points, name, value, code)
+
+
+def extent(points: np.ndarray, width: float) -> np.ndarray:
+    """Corners of the box around points [n, 3] that are `width` wide, shape [2, 3]."""
+    if len(points) == 0:
+        return np.zeros((2, 3), dtype=np.float32)
+    return np.stack([points.min(axis=0) - width / 2, points.max(axis=0) + width / 2]).astype(np.float32)
+
+
+def open_until(path: Path, particles: Particles, last_code: float) -> Any:
+    """Open an earlier result as a layer detached from its file, without the samples after a time code.
+
+    Raises:
+        InputError: There is no such file, or it is not a result of these particles.
+    """
+    if not path.exists():
+        raise InputError(str(path), "", "is missing, so the run cannot be continued; start a new run")
+    try:
+        layer = Sdf.Layer.OpenAsAnonymous(str(path))
+    except Tf.ErrorException:
+        layer = None
+    if layer is None or not layer.GetPrimAtPath(ROOT):
+        raise InputError(str(path), "", "is not a result that can be continued; start a new run")
+    if not _holds(layer, particles):
+        raise InputError(str(path), "", "holds other particles than this case; start a new run")
+    codes = layer.ListAllTimeSamples()
+    kept = [code for code in codes if code <= last_code]
+    for code in codes[len(kept) :]:
+        _erase(layer, code)
+    if kept:
+        layer.endTimeCode = kept[-1]
+    else:
+        layer.ClearStartTimeCode()
+        layer.ClearEndTimeCode()
+    return layer
+
+
+def _holds(layer: Any, particles: Particles) -> bool:
+    """Whether a layer's bodies and ids are those of the particles."""
+    for name, (first, last) in zip(particles.names, particles.ranges, strict=True):
+        ids = layer.GetAttributeAtPath(f"{ROOT}/{name}.ids")
+        if ids is None or not np.array_equal(np.asarray(ids.default), particles.ids[first:last]):
+            return False
+    return len(layer.GetPrimAtPath(ROOT).nameChildren) == len(particles.names)
+
+
+def _erase(layer: Any, code: float) -> None:
+    for body in layer.GetPrimAtPath(ROOT).nameChildren:
+        for attribute in body.attributes:
+            layer.EraseTimeSample(attribute.path, code)
+
+
+def _define_stage(stage: Any, frame: StageFrame, frame_rate: float) -> None:
+    stage.SetDefaultPrim(UsdGeom.Xform.Define(stage, ROOT).GetPrim())
+    UsdGeom.SetStageUpAxis(stage, frame.up_axis)
+    UsdGeom.SetStageMetersPerUnit(stage, frame.meters_per_unit)
+    UsdPhysics.SetStageKilogramsPerUnit(stage, frame.kilograms_per_unit)
+    # Velocities are per second of stage time, so a second of stage time must be a second of the simulation:
+    # timeCodesPerSecond ties the two. framesPerSecond only says how fast a player steps through the time codes;
+    # at no more than 30 a second, the thousands of frames of a fast event are seen in slow motion.
+    stage.SetTimeCodesPerSecond(frame_rate)
+    stage.SetFramesPerSecond(min(frame_rate, PLAYBACK_RATE))
+
+
+def _define_body(stage: Any, particles: Particles, index: int, frame: StageFrame) -> None:
+    first, last = (int(bound) for bound in particles.ranges[index])
+    points = UsdGeom.Points.Define(stage, f"{ROOT}/{particles.names[index]}")
+    points.CreateIdsAttr(Vt.Int64Array.FromNumpy(particles.ids[first:last].astype(np.int64)))
+    width = _width(particles, (first, last), frame)
+    points.CreateWidthsAttr(Vt.FloatArray.FromNumpy(np.full(last - first, width, dtype=np.float32)))
+    points.SetWidthsInterpolation(UsdGeom.Tokens.vertex)
+    points.CreateDisplayColorPrimvar(UsdGeom.Tokens.constant).Set([Gf.Vec3f(*PALETTE[index % len(PALETTE)])])
+    for create in (points.CreatePointsAttr, points.CreateVelocitiesAttr, points.CreateExtentAttr):
+        create()
+
+
+def _width(particles: Particles, bounds: tuple[int, int], frame: StageFrame) -> float:
+    """Width of the particles of a body in the stage's units: their spacing."""
+    first, last = bounds
+    return float(particles.spacings[first] / frame.meters_per_unit) if last > first else 0.0
+
+
+def _set_primvar(points: Any, name: str, value: np.ndarray, code: float) -> None:
+    vector = value.ndim == 2
+    kind = Sdf.ValueTypeNames.Vector3fArray if vector else Sdf.ValueTypeNames.FloatArray
+    array = Vt.Vec3fArray.FromNumpy(value) if vector else Vt.FloatArray.FromNumpy(value)
+    UsdGeom.PrimvarsAPI(points).CreatePrimvar(name, kind, UsdGeom.Tokens.vertex).Set(array, code)

@@ -1,0 +1,142 @@
+"""The attributes of a prim, checked for their type and turned into SI units and the scene's axes."""
+
+from __future__ import annotations
+
+import difflib
+from typing import Any
+
+import numpy as np
+from pxr import Usd
+
+from warp_mps.errors import InputError
+from warp_mps.usd.attributes import ROLE, TABLE, Attribute
+from warp_mps.usd.frame import Frame
+
+
+class Values:
+    """What a prim says about its part in the case.
+
+    Args:
+        prim: The prim.
+        role: Its part, a key of the table of attributes.
+        frame: Units and axes.
+    """
+
+    def __init__(self, prim: Usd.Prim, role: str, frame: Frame) -> None:
+        self.prim, self.frame, self.table = prim, frame, TABLE[role]
+        self.path = str(prim.GetPath())
+
+    def check_names(self) -> None:
+        """Refuse attributes that are not in the table, most likely misspelt.
+
+        Raises:
+            InputError: There is one.
+        """
+        for found in self.prim.GetAuthoredPropertyNames():
+            if found.startswith("mps:") and found != ROLE and found not in self.table:
+                near = difflib.get_close_matches(found, self.table, n=1)
+                hint = f"did you mean {near[0]}?" if near else "known are " + ", ".join(self.table)
+                raise InputError(self.path, found, f"is not known here; {hint}")
+
+    def given(self, name: str) -> bool:
+        """Whether the prim gives a value of its own."""
+        return self.prim.HasAttribute(name) and self.prim.GetAttribute(name).HasAuthoredValue()
+
+    def get(self, name: str) -> Any:
+        """Value of an attribute in SI units; vectors are tuples along the scene's axes. None if it is not given.
+
+        Raises:
+            InputError: It is missing but required, of the wrong type, not finite, or not one of the allowed values.
+        """
+        row = self.table[name]
+        if not self.given(name):
+            if row.required:
+                raise InputError(self.path, name, f"is missing: {row.meaning}")
+            return None
+        value = typed(self.prim.GetAttribute(name), row)
+        if row.allowed and str(value) not in row.allowed:
+            raise InputError(self.path, name, f"is {value!r}, must be one of: {', '.join(row.allowed)}")
+        if row.kind in ("double", "float"):
+            return value * self.frame.factor(row)
+        if row.kind == "double[]":
+            return np.asarray(value, float)
+        if row.kind == "double3[]":
+            return self.frame.vectors_to_scene(np.asarray(value, float).reshape(-1, 3), row, self.path)
+        if row.kind == "double3":
+            return tuple(self.frame.vectors_to_scene(np.asarray(value), row, self.path).tolist())
+        return value
+
+    def fields(self, *names: str, prefix: str = "") -> dict[str, Any]:
+        """Fields of the scene filled by the attributes that are given, by the fields' names less a prefix."""
+        values = {self.table[name].field.removeprefix(prefix): self.get(name) for name in names}
+        return {field: value for field, value in values.items() if value is not None}
+
+    def axes(self, name: str, known: str) -> tuple[int, ...]:
+        """Positions in `known` of the axes that a token such as ``xz`` names; empty if it is not given.
+
+        Raises:
+            InputError: It names others.
+        """
+        token = self.get(name) or ""
+        if any(axis not in known for axis in token) or len(set(token)) != len(token):
+            raise InputError(self.path, name, f"is {token!r}, must be axes among {known}, each once")
+        return tuple(sorted(known.index(axis) for axis in token))
+
+    def targets(self, name: str) -> list[str]:
+        """Paths that a relationship leads to.
+
+        Raises:
+            InputError: There is no prim at one of them, or none is given and one is required.
+        """
+        if self.prim.HasAttribute(name):
+            raise InputError(self.path, name, "must be a relationship (rel)")
+        paths = self.prim.GetRelationship(name).GetForwardedTargets() if self.prim.HasRelationship(name) else []
+        if not paths and self.table[name].required:
+            raise InputError(self.path, name, f"is missing: {self.table[name].meaning}")
+        for path in paths:
+            if not self.prim.GetStage().GetPrimAtPath(path):
+                raise InputError(self.path, name, f"leads to {path}, where there is no prim")
+        return [str(path) for path in paths]
+
+
+def typed(attribute: Usd.Attribute, row: Attribute) -> Any:
+    """Value of an attribute as plain numbers and texts.
+
+    Raises:
+        InputError: It is of another type than the table says, or not finite.
+    """
+    path, value = str(attribute.GetPrim().GetPath()), attribute.Get()
+    if value is None:
+        raise InputError(path, row.name, "must have a value that does not vary in time")
+    plain = _plain(value, row.kind)
+    if plain is None:
+        raise InputError(path, row.name, f"must be {row.kind}, not {attribute.GetTypeName()}")
+    if row.kind not in ("token", "string", "bool") and not np.isfinite(plain).all():
+        raise InputError(path, row.name, "must be finite")
+    return plain
+
+
+def shortest(value: float) -> float:
+    """The shortest decimal that a single-precision number can be told by: 9.81, not 9.8100004196."""
+    return float(str(np.float32(value)))
+
+
+def _plain(value: Any, kind: str) -> Any:
+    """The value as the kind's plain type, or None if it is of another."""
+    number = isinstance(value, int | float) and not isinstance(value, bool)
+    if kind == "float":
+        return shortest(value) if number else None
+    if kind == "double":
+        return float(value) if number else None
+    if kind in ("token", "string"):
+        return value if isinstance(value, str) else None
+    if kind in ("int", "bool"):
+        return value if type(value) is {"int": int, "bool": bool}[kind] else None
+    if isinstance(value, str) or not hasattr(value, "__len__"):
+        return None
+    try:
+        array = np.asarray(value, float)
+    except (TypeError, ValueError):
+        return None
+    shape = {"double3": array.shape == (3,), "double[]": array.ndim == 1, "double3[]": array.shape[-1:] == (3,)}
+    return array if shape.get(kind, array.shape == (3,)) or array.size == 0 else None
