@@ -3,7 +3,8 @@
 y(t) is the chosen component of the probe between the measurement's start and end, sampled at t_1 < ... < t_m.
 
 - ``frequency``: the omega [rad/s] of the best fit y = A cos(omega t) + B sin(omega t) + C in the least-squares sense,
-  over A, B, C and omega; at least one period must lie in the window.
+  over A, B, C and omega; at least one period must lie in the window. A second mode of relative amplitude e that is
+  twice as fast or more shifts it by less than about 0.3 e / periods^2.
 - ``amplitude``: sqrt(A^2 + B^2) of that fit.
 - ``mean``: 1/(t_m - t_1) times the integral of y, by the trapezoidal rule.
 - ``minimum``, ``maximum``: the least and the greatest y(t_k).

@@ -118,7 +118,9 @@ def select_held(particles: Particles, item: Support | Load) -> np.ndarray:
     found = select(particles, item.region, item.bodies)
     if len(found) == 0:
         kind = "support" if isinstance(item, Support) else "load"
-        raise InputError(place(item, kind), "region", f"the {kind} holds no particle: its region must reach into a body")
+        raise InputError(
+            place(item, kind), "region", f"the {kind} holds no particle: its region must reach into a body"
+        )
     return found
 
 
@@ -162,7 +164,9 @@ def _groups(scene: Scene) -> np.ndarray:
         for name in body.bonded_to:
             j = names.index(name)
             if not np.isclose(scene.bodies[j].spacing, body.spacing, rtol=1e-9):
-                raise InputError(place(body, "body"), "spacing", f"differs from that of {name!r}, which it is bonded to")
+                raise InputError(
+                    place(body, "body"), "spacing", f"differs from that of {name!r}, which it is bonded to"
+                )
             groups[groups == groups[j]] = groups[i]
     return groups
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
@@ -64,6 +65,7 @@ class Simulation:
         device: ``cpu``, or a CUDA device such as ``cuda:0``.
         precision: ``float64`` or ``float32``.
         graphs: Whether steps are replayed as graphs; else every kernel is launched by itself, with the same result.
+        threads: CPU threads that share the particles, with the same result; worth it from some thousands on.
         announce: Called with a message when kernels have to be compiled first.
 
     Raises:
@@ -77,6 +79,7 @@ class Simulation:
         device: str = "cpu",
         precision: str = "float64",
         graphs: bool = True,
+        threads: int = 1,
         announce: Callable[[str], None] | None = None,
     ) -> None:
         # Warp is imported with the first simulation, not with the package
@@ -95,6 +98,7 @@ class Simulation:
         self.solid = Solid(scene, self.particles, dt=self.clock.dt, kit=numbers, device=self._device)
         self.solid.start()
         self._graphs: dict[int, Any] = {}
+        self._team = self._make_team(threads) if threads > 1 and self._device.is_cpu else None
         self._use_graphs = graphs
         self._seen: dict[str, Any] = {}
 
@@ -126,6 +130,12 @@ class Simulation:
         for _ in range(steps % BLOCK):
             self._replay(1)
         self.step += steps
+
+    def synchronize(self) -> None:
+        """Wait for the device to finish what it was given."""
+        import warp as wp
+
+        wp.synchronize_device(self._device)
 
     def run(self, observers: Sequence[Observer] = ()) -> None:
         """Advance to the end, showing the run to observers on the way; they are closed whatever happens.
@@ -181,6 +191,11 @@ class Simulation:
         return self._once("contact", lambda: self._host(self.solid.state.contact))
 
     @property
+    def internal_forces(self) -> np.ndarray:
+        """Elastic and contact forces: the total force less weight and loads [N], shape [n, d]."""
+        return self._once("internal", self.solid.internal_forces)
+
+    @property
     def reactions(self) -> np.ndarray:
         """Forces that the supports exert on the particles [N], shape [n, d]."""
         return self._once("reactions", self.solid.reactions)
@@ -204,16 +219,41 @@ class Simulation:
         """Run some steps as one graph, captured when it is first needed."""
         import warp as wp
 
-        if not self._use_graphs:
+        if self._team:
+            self._team.run(steps)
+        elif self._use_graphs:
+            if steps not in self._graphs:
+                self._graphs[steps] = self._capture([self.solid.step] * steps)
+            wp.capture_launch(self._graphs[steps])
+        else:
             for _ in range(steps):
                 self.solid.step()
-            return
-        if steps not in self._graphs:
-            with wp.ScopedCapture(device=self._device) as capture:
-                for _ in range(steps):
-                    self.solid.step()
-            self._graphs[steps] = capture.graph
-        wp.capture_launch(self._graphs[steps])
+
+    def _capture(self, launches: Sequence[Callable[[], object]]) -> Any:
+        import warp as wp
+
+        with wp.ScopedCapture(device=self._device) as capture:
+            for launch in launches:
+                launch()
+        return capture.graph
+
+    def _make_team(self, threads: int) -> Any:
+        """Threads with a graph each for every section of a step; sections that do not split are the first thread's."""
+        import warp as wp
+
+        from warp_mps.core.threads import Team, shares
+
+        def task(section: Sequence[Any], share: tuple[int, int]) -> Callable[[], None]:
+            launches = [functools.partial(phase.launch, *share) for phase in section]
+            return functools.partial(wp.capture_launch, self._capture(launches))
+
+        everything = [(0, self.particles.count)]
+        sections = [
+            [task(section, share) for share in (shares(self.particles.count, threads) if split else everything)]
+            for section in self.solid.sections()
+            for split in [section[0].splits]
+        ]
+        return Team([tasks + [None] * (threads - len(tasks)) for tasks in sections], threads)
 
     def _show(self, observers: Sequence[Observer]) -> None:
         last = self.step == self.total_steps
@@ -235,4 +275,3 @@ class Simulation:
     @staticmethod
     def _host(array: Any) -> np.ndarray:
         return np.array(array.numpy(), dtype=float)
-

@@ -41,15 +41,18 @@ def load_modules(names: Sequence[str], device: Any, announce: Callable[[str], No
         device: Device to load them on.
         announce: Called with the message.
     """
-    if announce and any(not _is_cached(name) for name in names):
-        announce(f"compiling kernels for {device} (only the first time, about {'a minute' if device.is_cuda else '10 s'})")
+    if announce and any(not _is_cached(name, device) for name in names):
+        announce(
+            f"compiling kernels for {device} (only the first time, about {'a minute' if device.is_cuda else '10 s'})"
+        )
     for name in names:
         wp.load_module(name, device=device)
 
 
-def _is_cached(name: str) -> bool:
+def _is_cached(name: str, device: Any) -> bool:
     cache = Path(wp.config.kernel_cache_dir or "")
-    return (cache / wp.get_module(name).get_module_identifier()).is_dir()
+    # kernels on the CPU are compiled for blocks of one thread
+    return (cache / wp.get_module(name).get_module_identifier(1 if device.is_cpu else None)).is_dir()
 
 
 @contextlib.contextmanager

@@ -50,9 +50,7 @@ def _plane_funcs(kit: Kit, method: str) -> SimpleNamespace:
         s = real(2.0) * a / (real(1.0) + a * a)
         return rotor(c * q[0] - s * q[1], s * q[0] + c * q[1])
 
-    return SimpleNamespace(
-        cross=cross, mean_rotor=mean_rotor, turn=turn, torque_share=torque_share, advance=advance
-    )
+    return SimpleNamespace(cross=cross, mean_rotor=mean_rotor, turn=turn, torque_share=torque_share, advance=advance)
 
 
 def _space_funcs(kit: Kit, method: str) -> SimpleNamespace:
@@ -64,24 +62,25 @@ def _space_funcs(kit: Kit, method: str) -> SimpleNamespace:
 
     @kit.func(method)
     def mean_rotor(q_i: rotor, q_j: rotor) -> rotor:
-        # q and -q are the same rotation: take the sum that does not cancel
-        side = real(1.0)
-        if wp.dot(q_i, q_j) < real(0.0):
-            side = real(-1.0)
-        return wp.normalize(q_i + side * q_j)
+        """Unit quaternion of the mean rotation times any factor.
+
+        q and -q are the same rotation, but rotors start out equal and neighbours never part by half a turn, so the
+        sum does not cancel.
+        """
+        return q_i + q_j
 
     @kit.func(method)
     def turn(m: rotor, x: vec) -> vec:
-        """R X - X for a unit quaternion m."""
+        """R X - X for a quaternion m of any length."""
         v = vec(m[1], m[2], m[3])
-        t = real(2.0) * wp.cross(v, x)
+        t = (real(2.0) / wp.dot(m, m)) * wp.cross(v, x)
         return m[0] * t + wp.cross(v, t)
 
     @kit.func(method)
     def torque_share(q_i: rotor, m: rotor, torque: spin) -> spin:
         """Torque on particle i when `torque` acts on the mean rotation m of i and j.
 
-        The mean rotation turns by (omega_i c + omega_i x v + ...)/(2 c), with (c, v) = q_i m^-1, when q_i turns by
+        The mean rotation turns by (omega_i c + omega_i x v + ...)/(2 c), with (c, v) = q_i m^-1 of any length, when q_i turns by
         omega_i: the share is the adjoint of that, so that energy is kept, and the two shares add up to the torque.
         """
         p = vec(q_i[1], q_i[2], q_i[3])
@@ -99,9 +98,7 @@ def _space_funcs(kit: Kit, method: str) -> SimpleNamespace:
         v = p + q[0] * a + wp.cross(a, p)
         return wp.normalize(rotor(w, v[0], v[1], v[2]))
 
-    return SimpleNamespace(
-        cross=cross, mean_rotor=mean_rotor, turn=turn, torque_share=torque_share, advance=advance
-    )
+    return SimpleNamespace(cross=cross, mean_rotor=mean_rotor, turn=turn, torque_share=torque_share, advance=advance)
 
 
 def identity_rotors(count: int, dimension: int) -> np.ndarray:

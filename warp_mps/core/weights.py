@@ -4,14 +4,10 @@ References:
     Koshizuka, S. and Oka, Y., Nuclear Science and Engineering 123 (1996) 421; eqs. 5 and 8 of the paper.
 """
 
-from typing import Any
-
 import numpy as np
 
-from warp_mps.core.kit import Kit
 
-
-def weight(r: np.ndarray, r_e: float) -> np.ndarray:
+def weight(r: np.ndarray, r_e: np.ndarray | float) -> np.ndarray:
     """Weight w(r) = r_e / r - 1 for r < r_e, else 0 (eq. 5) [-]."""
     return np.maximum(r_e / r - 1.0, 0.0)
 
@@ -27,14 +23,3 @@ def lattice_number_density(dimension: int, effective_radius: float) -> float:
     offsets = np.stack(np.meshgrid(*[reach] * dimension, indexing="ij"), axis=-1).reshape(-1, dimension)
     distances = np.linalg.norm(offsets, axis=1)
     return float(np.sum(weight(distances[distances > 0.0], effective_radius)))
-
-
-def weight_func(kit: Kit, method: str) -> Any:
-    """Device function w(r, r_e) of eq. 5."""
-    real = kit.real
-
-    @kit.func(method)
-    def mps_weight(r: real, r_e: real) -> real:
-        return max(r_e / r - real(1.0), real(0.0))
-
-    return mps_weight

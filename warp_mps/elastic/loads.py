@@ -129,7 +129,8 @@ def load_kernels(kit: Kit) -> SimpleNamespace:
         work: wp.array(dtype=wp.float64),
     ):
         """Work of a load: its force times the velocity, the mean of both ends of a step; `weight` is dt, or 0 before
-        the first step."""
+        the first step.
+        """
         k = wp.tid()
         i = particles[k]
         t = wp.float64(steps[0]) * dt

@@ -83,7 +83,7 @@ def motion_kernels(kit: Kit) -> SimpleNamespace:
         omega: wp.array(dtype=spin),
         dissipated: wp.array(dtype=real),
     ):
-        """Mass-proportional damping over half a step, exact: v *= exp(-damping dt/2). A driven axis keeps its motion."""
+        """Mass-proportional damping over half a step, exact: v *= exp(-damping dt/2); driven axes keep theirs."""
         i = wp.tid()
         v_i = v[i]
         loss = real(0.0)

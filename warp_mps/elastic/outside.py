@@ -73,6 +73,17 @@ class Outside:
             inputs = [agent.particles, self._dt, dt, *agent.numbers, mass, self.steps, state.v]
             self._launch(self._kernels.push_work, agent, inputs, [agent.power, agent.work])
 
+    def loads(self, masses: np.ndarray) -> np.ndarray:
+        """Present forces of the loads [N], shape [n, d]."""
+        forces = np.zeros(self.held.shape)
+        time = float(self.steps.numpy()[0]) * self._dt
+        for agent in self._pushed:
+            acceleration, frequency, phase = agent.numbers
+            factor = np.sin(2.0 * np.pi * frequency * time + phase) if frequency else 1.0
+            found = agent.particles.numpy()
+            forces[found] += factor * masses[found, None] * np.array(list(acceleration))
+        return forces
+
     def work(self) -> float:
         """Work done so far [J]."""
         return float(sum(np.sum(agent.work.numpy()) for agent in self._agents()))
@@ -97,7 +108,7 @@ class Outside:
 
     def _hold(self, support: Support, particles: Particles, driven: np.ndarray) -> None:
         found = select_held(particles, support)
-        axes = list(support.axes) or list(range(particles.dimension))
+        axes = np.array(support.axes or range(particles.dimension))
         clamp = len(axes) == particles.dimension if support.hold_rotation is None else support.hold_rotation
         self.held[np.ix_(found, axes)] = True
         self.held_rotation[found] |= clamp

@@ -1,7 +1,9 @@
 """The elastic bodies of a scene on a device: one step of them, and what can be asked of them."""
 
+import functools
+from collections.abc import Callable
 from dataclasses import replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import warp as wp
@@ -23,6 +25,23 @@ from warp_mps.particles import Particles
 from warp_mps.scene import Scene
 
 
+class Phase(NamedTuple):
+    """A part of a step.
+
+    Attributes:
+        name: What it does.
+        launch: Launches it over `count` particles from `first` on; over all of them where it does not split.
+        splits: Whether threads can share its particles.
+        follows: Whether it needs nothing of other particles that the phase before it writes, so that a thread can go
+            on to it without waiting for the others.
+    """
+
+    name: str
+    launch: Callable[[int, int], None]
+    splits: bool = False
+    follows: bool = False
+
+
 def declare_kernels(kit: Kit) -> list[str]:
     """Declare every kernel of a kit, so that each module is compiled once, and return the modules' names."""
     for declare in (spring_kernels, motion_kernels, load_kernels, contact_kernels, energy_kernels):
@@ -41,7 +60,7 @@ class Solid:
 
     def __init__(self, scene: Scene, particles: Particles, *, dt: float, kit: Kit, device: Any) -> None:
         self._kit, self._device, self._dt = kit, device, dt
-        self._n, d = particles.count, particles.dimension
+        self._n = particles.count
         self._motion, self._sums = motion_kernels(kit), energy_kernels(kit)
         self.state: ElasticState = initial_state(particles, kit=kit, device=device)
         self.model = SpringModel(scene, particles, kit=kit, device=device)
@@ -63,33 +82,56 @@ class Solid:
         self._reference = wp.array(particles.positions, dtype=kit.vec, device=device)
         self._values = wp.zeros((4, self._n), dtype=kit.real, device=device)
         self._chunks = wp.zeros((4, -(-self._n // CHUNK)), dtype=wp.float64, device=device)
-        self._hold_still(particles, d)
+        self._hold_still(particles)
+        self.phases = self._make_phases()
 
     def start(self) -> None:
         """Evaluate the forces of the initial state, which the first step begins with."""
         self.outside.drive(self.state)
         if self.contacts:
             self.contacts.renew(self.state)
-        self._forces()
-        self._kick(0.0)
+        self.model.launch_pressure(self.state, 0, self._n)
+        self.model.launch_force(self.state, 0, self._n)
+        if self.contacts:
+            self.contacts.launch_force(self.state)
+        self.outside.push(self.state, self._mass)
+        self._kick(0.0, 0, self._n)
         self.outside.account(self.state, self._mass, 0.0)
 
     def step(self) -> None:
         """Advance by one time step."""
-        state, dt, n = self.state, self._dt, self._n
-        self._damp()
-        inputs = [0, dt, self._inverse_mass, self._inverse_inertia, state.force, state.torque]
-        outputs = [state.u, state.v, state.q, state.omega]
-        wp.launch(self._motion.drift, n, inputs, outputs, device=self._device)
+        for phase in self.phases:
+            phase.launch(0, self._n)
+
+    def sections(self) -> list[list[Phase]]:
+        """The phases of a step in groups: threads must wait for each other between two groups."""
+        groups: list[list[Phase]] = []
+        for phase in self.phases:
+            if groups and (phase.follows or not phase.splits) and groups[-1][-1].splits == phase.splits:
+                groups[-1].append(phase)
+            else:
+                groups.append([phase])
+        return groups
+
+    def _make_phases(self) -> list[Phase]:
+        """The phases of a step, in order; what a scene does not have, it does not pay for."""
+        model, state, contacts = self.model, self.state, self.contacts
+        phases = [Phase("drift", self._drift, splits=True)]
         if self.outside.moving:
-            wp.launch(self._motion.tick, 1, [self.outside.steps], device=self._device)
-            self.outside.drive(state)
-        if self.contacts:
-            self.contacts.locate(state)
-        self._forces()
-        self._kick(dt)
-        self.outside.account(state, self._mass, dt)
-        self._damp()
+            phases.append(Phase("drive", lambda *_: self._drive()))
+        if contacts:
+            phases.append(Phase("contact search", lambda *_: contacts.locate(state)))
+        phases.append(Phase("pressure", functools.partial(model.launch_pressure, state), splits=True))
+        phases.append(Phase("force", functools.partial(model.launch_force, state), splits=True))
+        if contacts:
+            phases.append(Phase("contact", lambda *_: contacts.launch_force(state)))
+        if self.outside.moving:
+            phases.append(Phase("push", lambda *_: self.outside.push(state, self._mass)))
+        phases.append(Phase("kick", functools.partial(self._kick, self._dt), splits=True, follows=True))
+        if self.outside.moving:
+            phases.append(Phase("work", lambda *_: self.outside.account(state, self._mass, self._dt)))
+        damp = [Phase("damp", lambda *_: self._damp())] if self._damping else []
+        return [*damp, *phases, *damp]
 
     def energy(self) -> Energy:
         """Energies of the present state."""
@@ -117,6 +159,11 @@ class Solid:
         inertial = self._masses[:, None] * self.state.driven.numpy()
         return np.where(self.outside.held, inertial - self.state.force.numpy(), 0.0)
 
+    def internal_forces(self) -> np.ndarray:
+        """Elastic and contact forces: the total force less weight and loads [N], shape [n, d]."""
+        weight = self._masses[:, None] * np.array(list(self._gravity))
+        return self.state.force.numpy().astype(float) - weight - self.outside.loads(self._masses)
+
     def arrays(self) -> dict[str, np.ndarray]:
         """Everything that evolves, for a checkpoint."""
         return {**self.state.arrays(), **self.outside.arrays()}
@@ -128,30 +175,30 @@ class Solid:
         if self.contacts:
             self.contacts.renew(self.state)
 
-    def _forces(self) -> None:
-        self.model.launch_pressure(self.state, 0, self._n)
-        self.model.launch_force(self.state, 0, self._n)
-        if self.contacts:
-            self.contacts.launch_force(self.state)
-        self.outside.push(self.state, self._mass)
+    def _drift(self, first: int, count: int) -> None:
+        state = self.state
+        inputs = [first, self._dt, self._inverse_mass, self._inverse_inertia, state.force, state.torque]
+        outputs = [state.u, state.v, state.q, state.omega]
+        wp.launch(self._motion.drift, count, inputs, outputs, device=self._device)
 
-    def _kick(self, dt: float) -> None:
+    def _drive(self) -> None:
+        wp.launch(self._motion.tick, 1, [self.outside.steps], device=self._device)
+        self.outside.drive(self.state)
+
+    def _kick(self, dt: float, first: int, count: int) -> None:
         state = self.state
         constants = [self._gravity, self._mass, self._inverse_mass, self._inverse_inertia]
-        inputs = [0, dt, *constants, state.torque]
         outputs = [state.force, state.v, state.omega]
-        wp.launch(self._motion.kick, self._n, inputs, outputs, device=self._device)
+        wp.launch(self._motion.kick, count, [first, dt, *constants, state.torque], outputs, device=self._device)
 
     def _damp(self) -> None:
-        if not self._damping:
-            return
         factor = float(np.exp(-0.5 * self._damping * self._dt))
         state = self.state
         inputs = [factor, self._mass, self._inertia, self._inverse_mass, self._inverse_inertia]
         outputs = [state.v, state.omega, state.dissipated]
         wp.launch(self._motion.damp, self._n, inputs, outputs, device=self._device)
 
-    def _hold_still(self, particles: Particles, dimension: int) -> None:
+    def _hold_still(self, particles: Particles) -> None:
         """Held particles start at rest; moving supports set their own velocity."""
         velocities = np.where(self.outside.held, 0.0, particles.velocities)
         spins = np.where(self.outside.held_rotation[:, None], 0.0, particles.angular_velocities)

@@ -68,6 +68,10 @@ class View(Protocol):
         """Contact forces on the particles [N], shape [n, dimension]."""
 
     @property
+    def internal_forces(self) -> np.ndarray:
+        """Elastic and contact forces on the particles [N], shape [n, dimension]."""
+
+    @property
     def reactions(self) -> np.ndarray:
         """Forces that the supports exert on the particles [N], shape [n, dimension]."""
 

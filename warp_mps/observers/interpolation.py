@@ -54,12 +54,19 @@ def interpolate(particles: Particles, point: np.ndarray, where: str) -> tuple[np
 
 
 def _weights(offsets: np.ndarray) -> tuple[np.ndarray, bool]:
-    """Weights of the particles at offsets from the point, in units of the radius; whether they fix a plane."""
+    """Weights of the particles at offsets from the point, in units of the radius; whether they fix a plane.
+
+    The plane is the weighted mean plus a slope about the weighted centre, so that a constant comes out exactly even
+    where the particles do not fix the slope.
+    """
     root = 1.0 - np.linalg.norm(offsets, axis=1)
-    basis = np.column_stack([np.ones(len(offsets)), offsets]) * root[:, None]
+    shares = root**2 / np.sum(root**2)
+    centre = shares @ offsets
+    basis = (offsets - centre) * root[:, None]
     singular = np.linalg.svd(basis, compute_uv=False)
-    complete = len(singular) == basis.shape[1] and singular[-1] > LEAST_SINGULAR * singular[0]
-    return np.linalg.pinv(basis, rcond=LEAST_SINGULAR)[0] * root, complete
+    complete = len(singular) == offsets.shape[1] and singular[-1] > LEAST_SINGULAR * singular[0]
+    slope = np.linalg.pinv(basis, rcond=LEAST_SINGULAR) * root
+    return shares - centre @ slope, complete
 
 
 def _text(point: np.ndarray) -> str:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from warp_mps.errors import InputError
 from warp_mps.scene import StageFrame
@@ -37,7 +38,7 @@ class Frame:
         """SI value of an attribute's 1."""
         return self.stage.meters_per_unit**attribute.length * self.stage.kilograms_per_unit**attribute.mass
 
-    def vectors_to_scene(self, vectors: np.ndarray, attribute: Attribute, where: str) -> np.ndarray:
+    def vectors_to_scene(self, vectors: ArrayLike, attribute: Attribute, where: str) -> np.ndarray:
         """Vectors of the stage, shape [..., 3], in SI units along the scene's axes, shape [..., dimension].
 
         An axial vector of a plane becomes its one component out of the plane, shape [..., 1].
@@ -48,14 +49,16 @@ class Frame:
         turned = np.asarray(vectors, float) * self.factor(attribute) @ self.rotation.T
         if self.dimension == 3 or attribute.nature == "point":
             return turned[..., : self.dimension]
-        kept, lost = (turned[..., 2:], turned[..., :2]) if attribute.nature == "axial" else (turned[..., :2], turned[..., 2:])
+        kept, lost = (
+            (turned[..., 2:], turned[..., :2]) if attribute.nature == "axial" else (turned[..., :2], turned[..., 2:])
+        )
         if lost.size and abs(lost).max() > OUT_OF_PLANE * abs(turned).max():
             direction = "along the normal of" if attribute.nature == "axial" else "in"
             reason = f"must lie {direction} the plane {self.stage.axes} of this 2-D scene"
             raise InputError(where, attribute.name, reason)
         return kept
 
-    def vectors_to_stage(self, vectors: np.ndarray, attribute: Attribute) -> np.ndarray:
+    def vectors_to_stage(self, vectors: ArrayLike, attribute: Attribute) -> np.ndarray:
         """The inverse of `vectors_to_scene`, shape [..., 3]."""
         vectors = np.atleast_1d(np.asarray(vectors, float))
         before = 3 - vectors.shape[-1] if attribute.nature == "axial" else 0

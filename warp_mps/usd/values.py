@@ -124,19 +124,19 @@ def shortest(value: float) -> float:
 def _plain(value: Any, kind: str) -> Any:
     """The value as the kind's plain type, or None if it is of another."""
     number = isinstance(value, int | float) and not isinstance(value, bool)
-    if kind == "float":
-        return shortest(value) if number else None
-    if kind == "double":
-        return float(value) if number else None
-    if kind in ("token", "string"):
-        return value if isinstance(value, str) else None
-    if kind in ("int", "bool"):
-        return value if type(value) is {"int": int, "bool": bool}[kind] else None
-    if isinstance(value, str) or not hasattr(value, "__len__"):
-        return None
+    if kind in ("float", "double"):
+        return None if not number else shortest(value) if kind == "float" else float(value)
+    if kind in ("token", "string", "int", "bool"):
+        return value if type(value) is {"int": int, "bool": bool}.get(kind, str) else None
+    return None if isinstance(value, str) or not hasattr(value, "__len__") else _array(value, kind)
+
+
+def _array(value: Any, kind: str) -> np.ndarray | None:
     try:
         array = np.asarray(value, float)
     except (TypeError, ValueError):
         return None
-    shape = {"double3": array.shape == (3,), "double[]": array.ndim == 1, "double3[]": array.shape[-1:] == (3,)}
-    return array if shape.get(kind, array.shape == (3,)) or array.size == 0 else None
+    if array.size == 0:
+        return array
+    good = array.shape == (3,) if not kind.endswith("[]") else array.ndim == (2 if kind == "double3[]" else 1)
+    return array if good else None

@@ -1,0 +1,131 @@
+"""The speed of the elastic solver: particle-steps a second, and where the time goes."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from rich.console import Console
+from rich.table import Table
+
+from warp_mps.cost import available_memory, estimate
+from warp_mps.scene import Body, Material, Scene
+from warp_mps.shapes import Box
+from warp_mps.simulation import Simulation
+
+# seconds that each figure is measured for, in rounds of which the fastest counts: the others were disturbed
+ROUND_SECONDS = 0.5
+ROUNDS = 3
+
+
+def bench_solid(
+    sizes: Sequence[int], *, dimensions: Sequence[int], precisions: Sequence[str], device: str, threads: int = 1
+) -> int:
+    """Measure an elastic block of each size, dimension and precision and print a table.
+
+    Args:
+        sizes: Numbers of particles.
+        dimensions: 2, 3 or both.
+        precisions: ``float64``, ``float32`` or both.
+        device: Device to run on.
+        threads: Threads on the CPU device.
+    """
+    table = Table(box=None, pad_edge=False, header_style="bold")
+    for column in ("", "particles", "neighbours", "precision", "us a step", "us a particle-step", "million a second"):
+        table.add_column(column, justify="right")
+    table.add_column("share of each kernel")
+    for dimension in dimensions:
+        for size in sizes:
+            for precision in precisions:
+                row = _measure(dimension, size, precision, device, threads)
+                if row is not None:
+                    table.add_row(*row)
+    Console(width=max(150, Console().width)).print(table)
+    return 0
+
+
+def block(dimension: int, size: int) -> Scene:
+    """A square or cubic block of about `size` particles, stretching and shrinking freely."""
+    side = round(size ** (1.0 / dimension))
+    material = Material(density=1000.0, youngs_modulus=1e6, poissons_ratio=0.3)
+    body = Body(
+        name="block",
+        shape=Box((float(side),) * dimension),
+        material=material,
+        spacing=1.0,
+        angular_velocity=0.1 if dimension == 2 else (0.1, 0.2, 0.3),
+    )
+    return Scene(name="bench", bodies=(body,), dimension=dimension, duration=1.0)
+
+
+def _measure(dimension: int, size: int, precision: str, device: str, threads: int) -> list[str] | None:
+    scene = block(dimension, size)
+    if estimate(scene).memory > available_memory():
+        print(f"warp-mps: {size} particles in {dimension}-D do not fit into memory, left out", file=sys.stderr)
+        return None
+    print(f"warp-mps: {dimension}-D, {size} particles, {precision}", file=sys.stderr, flush=True)
+    simulation = Simulation(scene, device=device, precision=precision, threads=threads)
+    seconds = _seconds_a_step(simulation)
+    count = simulation.particles.count
+    neighbours = len(simulation.solid.model.index) / count
+    return [
+        f"{dimension}-D",
+        f"{count}",
+        f"{neighbours:.1f}",
+        precision,
+        f"{1e6 * seconds:.4g}",
+        f"{1e6 * seconds / count:.4f}",
+        f"{count / seconds / 1e6:.3g}",
+        _shares(simulation),
+    ]
+
+
+def _seconds_a_step(simulation: Simulation) -> float:
+    return _fastest(lambda steps: _advance(simulation, steps))
+
+
+def _advance(simulation: Simulation, steps: int) -> None:
+    simulation.advance(steps)
+    simulation.synchronize()
+
+
+def _shares(simulation: Simulation) -> str:
+    """Each phase of a step alone, as a graph of its own, as a part of their sum."""
+    import warp as wp
+
+    device, count = simulation.device, simulation.particles.count
+    times: dict[str, float] = {}
+    for phase in simulation.solid.phases:
+        with wp.ScopedCapture(device=device) as capture:
+            phase.launch(0, count)
+        times[phase.name] = _fastest(_replay(capture.graph, simulation))
+    total = sum(times.values())
+    return ", ".join(f"{name} {100.0 * value / total:.0f} %" for name, value in times.items())
+
+
+def _replay(graph: Any, simulation: Simulation) -> Callable[[int], None]:
+    import warp as wp
+
+    def replay(times: int) -> None:
+        for _ in range(times):
+            wp.capture_launch(graph)
+        simulation.synchronize()
+
+    return replay
+
+
+def _fastest(work: Callable[[int], None]) -> float:
+    """Seconds of one of many repetitions, from the fastest round."""
+    work(1)
+    begin = time.perf_counter()
+    work(1)
+    once = max(time.perf_counter() - begin, 1e-7)
+    repetitions = max(1, min(100_000, int(ROUND_SECONDS / once)))
+    best = float("inf")
+    for _ in range(ROUNDS):
+        begin = time.perf_counter()
+        work(repetitions)
+        best = min(best, (time.perf_counter() - begin) / repetitions)
+    return best

@@ -1,0 +1,161 @@
+"""The commands of ``warp-mps`` and their exit codes.
+
+0: done. 2: the input is wrong. 3: the run failed. 130: interrupted.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import tyro
+from tyro.conf import OmitArgPrefixes, Positional, UseAppendAction, arg
+
+from warp_mps.errors import InputError, RunError
+
+Case = Annotated[str, arg(metavar="CASE", help="Path of a stage, or the name of a shipped case (see list).")]
+Device = Annotated[str, arg(metavar="DEVICE", help="cpu, or a CUDA device such as cuda:0.")]
+Precision = Annotated[Literal["float64", "float32"], arg(help="Number type: float64 to trust, float32 for GPU speed.")]
+Threads = Annotated[int, arg(metavar="T", help="CPU threads that share the particles; helps from some thousands on.")]
+Changes = UseAppendAction[
+    Annotated[
+        tuple[str, ...],
+        arg(name="set", metavar="/PRIM.ATTR=VALUE", help="Change an attribute of the stage, in its units; repeatable."),
+    ]
+]
+
+
+def list_cases() -> int:
+    """List the shipped cases, with a line on each."""
+    from warp_mps.app.show import show_cases
+
+    return show_cases()
+
+
+def check(case: Positional[Case], *, changes: Changes = ()) -> int:
+    """Read a case and say what a run of it would take: particles, time step, memory, time. Runs nothing."""
+    from warp_mps.app.show import show_check
+
+    return show_check(_read(case, changes))
+
+
+def run(
+    case: Positional[Case],
+    *,
+    out: Annotated[Path | None, arg(metavar="DIR", help="Folder of the results; default: runs/CASE.")] = None,
+    device: Device = "cpu",
+    precision: Precision = "float64",
+    threads: Threads = 1,
+    duration: Annotated[float | None, arg(metavar="S", help="Simulated time [s], instead of the stage's.")] = None,
+    overwrite: Annotated[bool, arg(help="Replace results that the folder holds.")] = False,
+    resume: Annotated[bool, arg(help="Continue from the folder's checkpoint.")] = False,
+    quiet: Annotated[bool, arg(help="Show no progress.")] = False,
+    changes: Changes = (),
+) -> int:
+    """Run a case: leaves run.usdc (animation), probes.csv, run.json (summary) and checkpoint.npz in a folder."""
+    from warp_mps.app.show import show_summary
+    from warp_mps.runs import run_scene
+
+    scene = _read(case, changes, duration)
+    folder = out or Path("runs") / scene.name
+    summary = run_scene(
+        scene,
+        folder,
+        device=device,
+        precision=precision,
+        threads=threads,
+        overwrite=overwrite,
+        resume=resume,
+        quiet=quiet,
+    )
+    show_summary(summary, folder)
+    return 0
+
+
+def validate(
+    cases: Positional[Annotated[tuple[str, ...], arg(metavar="CASE", help="Cases; all shipped ones if none.")]] = (),
+    *,
+    out: Annotated[Path | None, arg(metavar="DIR", help="Keep the results here; default: a temporary folder.")] = None,
+    device: Device = "cpu",
+    precision: Precision = "float64",
+) -> int:
+    """Run cases and print what was measured beside what is known: measured, reference, error, source."""
+    from warp_mps.app.validate import validate_cases
+
+    return validate_cases(cases, out=out, device=device, precision=precision)
+
+
+def bench(
+    sizes: Annotated[tuple[int, ...], arg(metavar="N", help="Numbers of particles.")] = (
+        1_000,
+        10_000,
+        100_000,
+        1_000_000,
+    ),
+    *,
+    device: Device = "cpu",
+    dimensions: Annotated[tuple[int, ...], arg(metavar="D", help="2, 3 or both.")] = (2, 3),
+    precisions: Annotated[tuple[str, ...], arg(metavar="P", help="float64, float32 or both.")] = ("float64", "float32"),
+    threads: Threads = 1,
+) -> int:
+    """Measure the speed: particle-steps a second of an elastic block, and the share of each kernel."""
+    from warp_mps.app.bench import bench_solid
+
+    return bench_solid(sizes, dimensions=dimensions, precisions=precisions, device=device, threads=threads)
+
+
+COMMANDS: dict[str, Callable[..., int]] = {
+    "list": list_cases,
+    "check": check,
+    "run": run,
+    "validate": validate,
+    "bench": bench,
+}
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run a command and return its exit code."""
+    try:
+        return int(_dispatch(list(sys.argv[1:] if arguments is None else arguments)))
+    except InputError as error:
+        return _fail(str(error), 2)
+    except RunError as error:
+        return _fail(str(error), 3)
+    except KeyboardInterrupt:
+        return _fail("interrupted; what was computed is kept, continue with --resume", 130)
+
+
+def _dispatch(arguments: list[str]) -> Any:
+    return tyro.extras.subcommand_cli_from_dict(
+        COMMANDS,
+        prog="warp-mps",
+        description="Elastic structures by the Moving Particle Semi-implicit method: USD stage in, USD animation out.",
+        args=arguments,
+        config=(OmitArgPrefixes,),
+    )
+
+
+def _read(case: str, changes: Sequence[str], duration: float | None = None) -> Any:
+    """The scene of a case, changed as the user wishes."""
+    from dataclasses import replace
+
+    from warp_mps.catalogue import find_case
+    from warp_mps.usd.read import read_stage
+
+    overrides = dict(_parse_change(change) for change in changes)
+    scene = read_stage(find_case(case), overrides=overrides)
+    return scene if duration is None else replace(scene, duration=duration)
+
+
+def _parse_change(change: str) -> tuple[str, str]:
+    path, equals, value = change.partition("=")
+    if not equals or "." not in path or not path.startswith("/"):
+        raise InputError("--set", change, "must be /Prim.attribute=value, e.g. /World/beam.mps:spacing=0.005")
+    return path.strip(), value.strip()
+
+
+def _fail(message: str, code: int) -> int:
+    print(f"warp-mps: {message}", file=sys.stderr)
+    return code

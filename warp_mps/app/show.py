@@ -1,0 +1,100 @@
+"""What the commands print: cases, costs, results."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+from rich.table import Table
+
+from warp_mps.catalogue import shipped_cases
+from warp_mps.cost import available_memory, estimate
+from warp_mps.results import RunSummary
+from warp_mps.scene import Scene
+from warp_mps.simulation import Clock
+
+
+def show_cases() -> int:
+    """Print the shipped cases and the first line of what each says of itself."""
+    from pxr import Sdf
+
+    table = _table("case", "what it is")
+    for name, path in shipped_cases().items():
+        text = Sdf.Layer.OpenAsAnonymous(str(path)).documentation.strip()
+        table.add_row(name, text.splitlines()[0] if text else "")
+    Console().print(table)
+    return 0
+
+
+def show_check(scene: Scene) -> int:
+    """Print what a run of a scene would take."""
+    cost, clock = estimate(scene), Clock(scene)
+    table = _table("", "")
+    table.show_header = False
+    kind = "3-D" if scene.dimension == 3 else f"2-D, plane {scene.plane}"
+    table.add_row("case", f"{scene.name} ({kind}, model {scene.elasticity.model})")
+    for name, count in cost.particles.items():
+        table.add_row(f"particles of {name}", f"{count}")
+    table.add_row("neighbours of a particle", f"{cost.neighbours}")
+    note = "" if clock.dt <= clock.dt_limit else f"  ABOVE THE LIMIT of {clock.dt_limit:.4g} s: will be unstable"
+    table.add_row("time step", f"{cost.dt:.4g} s{note}")
+    table.add_row("steps, frames", f"{cost.steps}, {cost.frames}")
+    table.add_row("memory", f"{_bytes(cost.memory)} of {_bytes(available_memory())} available")
+    table.add_row("expected time on one CPU core", _duration(cost.seconds))
+    Console().print(table)
+    return 0
+
+
+def show_summary(summary: RunSummary, folder: Path) -> None:
+    """Print how a run went and where its results are."""
+    console = Console()
+    speed = summary.particle_steps_per_second.get("solid") or 0.0
+    drift = summary.energy.get("drift")
+    console.print(
+        f"{summary.case}: {summary.steps} steps, {summary.time:.6g} s simulated in {_duration(summary.wall_seconds)} "
+        f"({speed / 1e6:.3g} million particle-steps a second), energy drift {_percent(drift)}",
+        highlight=False,
+        soft_wrap=True,
+    )
+    if summary.measurements:
+        console.print(measurement_table([(summary.case, row) for row in summary.measurements]))
+    console.print(f"results in {folder}", highlight=False, soft_wrap=True)
+
+
+def measurement_table(rows: Sequence[tuple[str, dict[str, Any]]]) -> Table:
+    """A table of measurements: case, name, measured, reference, error, source."""
+    table = _table("case", "result", "measured", "reference", "error", "source")
+    last = ""
+    for case, row in rows:
+        reference = "" if row["reference"] is None else f"{row['reference']:.5g}"
+        measured = row.get("reason", "none") if row["value"] is None else f"{row['value']:.5g} {row['unit']}"
+        table.add_row(
+            "" if case == last else case, row["name"], measured, reference, _percent(row["error"]), row["source"]
+        )
+        last = case
+    return table
+
+
+def _table(*columns: str) -> Table:
+    table = Table(box=None, pad_edge=False, header_style="bold")
+    for column in columns:
+        table.add_column(column, overflow="fold")
+    return table
+
+
+def _percent(value: float | None) -> str:
+    if value is None:
+        return ""
+    return f"{100.0 * value:+.2f} %" if abs(value) >= 5e-5 else f"{100.0 * value:+.1e} %"
+
+
+def _bytes(value: float) -> str:
+    return f"{value / 2**30:.3g} GiB" if value >= 2**30 else f"{value / 2**20:.3g} MiB"
+
+
+def _duration(seconds: float) -> str:
+    if seconds < 120.0:
+        return f"{seconds:.2g} s"
+    return f"{seconds / 60.0:.0f} min" if seconds < 7200.0 else f"{seconds / 3600.0:.1f} h"

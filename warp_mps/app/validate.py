@@ -1,0 +1,59 @@
+"""Validation: cases are run, and what was measured is printed beside what is known."""
+
+from __future__ import annotations
+
+import sys
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+
+from warp_mps.app.show import measurement_table
+from warp_mps.catalogue import find_case, shipped_cases
+from warp_mps.errors import RunError
+from warp_mps.runs import run_scene
+from warp_mps.usd.read import read_stage
+
+
+def validate_cases(cases: Sequence[str], *, out: Path | None, device: str, precision: str) -> int:
+    """Run cases and print a table of their measurements.
+
+    Args:
+        cases: Paths or names of cases; all shipped ones when empty.
+        out: Folder that keeps the results, a folder for each case; None keeps nothing.
+        device: Device to run on.
+        precision: ``float64`` or ``float32``.
+
+    Returns:
+        0, or 3 when a case could not be finished.
+
+    Raises:
+        InputError: A case cannot be run.
+    """
+    paths = [find_case(case) for case in cases or shipped_cases()]
+    with tempfile.TemporaryDirectory(prefix="warp-mps-") as scratch:
+        outcomes = [_run(path, out or Path(scratch), device, precision) for path in paths]
+    Console().print(measurement_table([row for rows, _ in outcomes for row in rows]))
+    return 0 if all(good for _, good in outcomes) else 3
+
+
+def _run(path: Path, folder: Path, device: str, precision: str) -> tuple[list[tuple[str, dict[str, Any]]], bool]:
+    """The measurements of a case and of its energy, and whether it came to its end."""
+    print(f"warp-mps: running {path.stem}", file=sys.stderr, flush=True)
+    scene = read_stage(path)
+    try:
+        summary = run_scene(scene, folder / scene.name, device=device, precision=precision, overwrite=True, quiet=True)
+    except RunError as error:
+        print(f"warp-mps: {path.stem}: {error}", file=sys.stderr)
+        return [], False
+    rows = [*summary.measurements, _account("energy drift", summary.energy.get("drift"))]
+    rows.append(_account("momentum error", summary.momentum_error))
+    return [(scene.name, row) for row in rows], True
+
+
+def _account(name: str, value: float | None) -> dict[str, Any]:
+    """A row for a number that should be zero."""
+    source = "conservation"
+    return {"name": name, "value": value, "unit": "", "reference": 0.0, "error": None, "source": source}

@@ -1,0 +1,38 @@
+"""The cases that are shipped, by name."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from warp_mps.errors import InputError
+
+SUFFIXES = (".usda", ".usdc", ".usd", ".usdz")
+
+
+def stages_folder() -> Path:
+    """Folder of the shipped stages: inside an installed package, beside it in a checkout."""
+    package = Path(__file__).resolve().parent
+    installed = package / "stages"
+    return installed if installed.is_dir() else package.parent / "stages"
+
+
+def shipped_cases() -> dict[str, Path]:
+    """Paths of the shipped stages, by name."""
+    return {path.stem: path for path in sorted(stages_folder().glob("*.usda"))}
+
+
+def find_case(case: str) -> Path:
+    """Path of a case, given as a stage's path or as the name of a shipped one.
+
+    Raises:
+        InputError: There is neither.
+    """
+    path = Path(case)
+    if path.suffix in SUFFIXES or path.is_file():
+        if not path.is_file():
+            raise InputError(case, "", "there is no such file")
+        return path
+    shipped = shipped_cases()
+    if case not in shipped:
+        raise InputError(case, "", f"is neither a file nor a shipped case; shipped: {', '.join(shipped)}")
+    return shipped[case]

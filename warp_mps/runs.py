@@ -1,0 +1,212 @@
+"""A run in a folder: a scene is simulated, recorded, summed up, and can be continued."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import sys
+import time
+from dataclasses import replace
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+
+import numpy as np
+
+from warp_mps import __version__
+from warp_mps.cost import estimate, refuse_too_large
+from warp_mps.errors import InputError, RunError
+from warp_mps.observers import checkpoint as checkpoint_file
+from warp_mps.observers.base import Observer
+from warp_mps.observers.checkpoint import Checkpoint, CheckpointWriter, load_checkpoint
+from warp_mps.observers.frames import FrameRecorder
+from warp_mps.observers.guard import Guard
+from warp_mps.observers.momentum import MomentumMonitor
+from warp_mps.observers.probes import ProbeRecorder
+from warp_mps.observers.progress import Progress
+from warp_mps.results import RunSummary, energy_record, measurement_rows
+from warp_mps.scene import Scene
+from warp_mps.simulation import Simulation
+
+ANIMATION, PROBES, SUMMARY = "run.usdc", "probes.csv", "run.json"
+
+
+def run_scene(
+    scene: Scene,
+    folder: str | Path,
+    *,
+    device: str = "cpu",
+    precision: str = "float64",
+    threads: int = 1,
+    overwrite: bool = False,
+    resume: bool = False,
+    quiet: bool = False,
+) -> RunSummary:
+    """Simulate a scene and leave run.usdc, probes.csv, run.json and checkpoint.npz in a folder.
+
+    Args:
+        scene: The case.
+        folder: The folder; it is made if need be.
+        device: ``cpu``, or a CUDA device such as ``cuda:0``.
+        precision: ``float64`` or ``float32``.
+        threads: CPU threads that share the particles.
+        overwrite: Replaces the results that the folder holds.
+        resume: Continues from the folder's checkpoint.
+        quiet: Shows no progress.
+
+    Returns:
+        What run.json holds.
+
+    Raises:
+        InputError: The scene cannot be run, or the folder not be used.
+        RunError: The run had to be stopped; what was computed is kept, and run.json says why.
+        KeyboardInterrupt: It was interrupted; likewise.
+    """
+    folder = Path(folder)
+    refuse_too_large(scene, estimate(scene))
+    checkpoint = _claim(folder, scene, precision, overwrite=overwrite, resume=resume)
+    progress = Progress(every=1, quiet=quiet)
+    announce = None if quiet else _say
+    simulation = Simulation(scene, device=device, precision=precision, threads=threads, announce=announce)
+    if checkpoint is not None:
+        simulation.restore(checkpoint.arrays)
+    try:
+        run = _Run(simulation, folder, progress, None if checkpoint is None else checkpoint.time)
+    except OSError as error:
+        raise InputError(str(folder), "", f"cannot be written: {error.strerror}") from error
+    return run.execute()
+
+
+class _Run:
+    """The observers of a run and its summary, kept up to date until the end."""
+
+    def __init__(self, simulation: Simulation, folder: Path, progress: Progress, after: float | None) -> None:
+        scene, particles, clock = simulation.scene, simulation.particles, simulation.clock
+        self._simulation, self._path = simulation, folder / SUMMARY
+        progress.every = clock.sample_every
+        # probes are the only ones that can refuse the scene: they come before anything is written
+        self._probes = ProbeRecorder(folder / PROBES, scene, particles, every=clock.sample_every, resume_after=after)
+        if after is None:
+            _remove_results(folder)
+        self._momentum = MomentumMonitor(every=clock.frame_every)
+        self._observers: list[Observer] = [
+            # first, so that nothing is recorded of a state that is not one
+            Guard(every=clock.sample_every, time_step=clock.dt),
+            self._momentum,
+            self._probes,
+            FrameRecorder(
+                folder / ANIMATION,
+                scene,
+                particles,
+                every=clock.frame_every,
+                provenance=_provenance(simulation),
+                resume_after=after,
+            ),
+            CheckpointWriter(folder, fingerprint(scene, simulation.precision), every=clock.frame_every),
+            progress,
+        ]
+        counts = np.diff(particles.ranges, axis=1).ravel()
+        self._summary = RunSummary(
+            case=scene.name,
+            device=simulation.device,
+            precision=simulation.precision,
+            versions=versions(),
+            dimension=scene.dimension,
+            particles={name: int(count) for name, count in zip(particles.names, counts, strict=True)},
+        )
+
+    def execute(self) -> RunSummary:
+        """Run to the end, and say in run.json how it went, whatever happens."""
+        self._summary.write(self._path)
+        begin, first = time.perf_counter(), self._simulation.step
+        try:
+            self._simulation.run(self._observers)
+        except RunError as error:
+            self._finish("failed", str(error), begin, first)
+            raise
+        except KeyboardInterrupt:
+            self._finish("failed", "interrupted; continue with --resume", begin, first)
+            raise
+        self._finish("done", "", begin, first)
+        return self._summary
+
+    def _finish(self, status: str, reason: str, begin: float, first: int) -> None:
+        simulation, history = self._simulation, self._probes.history
+        wall = time.perf_counter() - begin
+        done = (simulation.step - first) * simulation.particles.count
+        self._summary = replace(
+            self._summary,
+            status=status,
+            reason=reason,
+            steps=simulation.step,
+            time=simulation.time,
+            wall_seconds=wall,
+            particle_steps_per_second={"solid": done / wall if wall > 0.0 else None, "fluid": None},
+            energy=energy_record(history),
+            momentum_error=self._momentum.error,
+            measurements=measurement_rows(simulation.scene, history),
+        )
+        self._summary.write(self._path)
+
+
+def fingerprint(scene: Scene, precision: str) -> str:
+    """A hash of everything that decides a run's numbers; how long it runs is not among it."""
+    with np.printoptions(threshold=10**9, precision=17):
+        text = repr((replace(scene, duration=1.0, measurements=(), path="scene"), precision))
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
+def versions() -> dict[str, str]:
+    """Versions of this program and of what it stands on."""
+    found = {"warp_mps": __version__}
+    for name in ("warp-lang", "numpy", "usd-core"):
+        try:
+            found[name] = version(name)
+        except PackageNotFoundError:
+            found[name] = "unknown"
+    return found
+
+
+def _provenance(simulation: Simulation) -> dict[str, str | float | int]:
+    scene = simulation.scene
+    return {
+        "case": scene.name,
+        "program": f"warp_mps {__version__}",
+        "model": scene.elasticity.model,
+        "device": simulation.device,
+        "precision": simulation.precision,
+        "time step [s]": simulation.dt,
+    }
+
+
+def _say(message: str) -> None:
+    print(f"warp-mps: {message}", file=sys.stderr, flush=True)
+
+
+def _claim(folder: Path, scene: Scene, precision: str, *, overwrite: bool, resume: bool) -> Checkpoint | None:
+    """Make sure that the folder can be written and that nothing in it is lost; the checkpoint to go on from, if any."""
+    if overwrite and resume:
+        raise InputError(str(folder), "", "give either --overwrite or --resume, not both")
+    if folder.exists() and not folder.is_dir():
+        raise InputError(str(folder), "", "is a file; the output must be a folder")
+    if resume:
+        return load_checkpoint(folder, fingerprint(scene, precision))
+    if (folder / SUMMARY).exists() and not overwrite:
+        raise InputError(
+            str(folder), "", "already has results; use --overwrite to replace or --resume to continue them"
+        )
+    _refuse_unwritable(folder)
+    return None
+
+
+def _remove_results(folder: Path) -> None:
+    """Remove what an earlier run left, so that nothing of it can be taken for a part of this one."""
+    for name in (ANIMATION, SUMMARY, checkpoint_file.NAME, checkpoint_file.PREVIOUS):
+        (folder / name).unlink(missing_ok=True)
+
+
+def _refuse_unwritable(folder: Path) -> None:
+    parent = folder
+    while not parent.exists():
+        parent = parent.parent
+    if not os.access(parent, os.W_OK | os.X_OK):
+        raise InputError(str(folder), "", f"cannot be written: no permission in {parent}")

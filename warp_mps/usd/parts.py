@@ -1,0 +1,128 @@
+"""The smaller parts of a stage: its units and axes, gravity, names, motions."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from pxr import Usd, UsdGeom, UsdPhysics
+
+from warp_mps.errors import InputError
+from warp_mps.scene import HarmonicMotion, StageFrame, TableMotion, VelocityField
+from warp_mps.usd.attributes import ROLE, ROLES, TABLE
+from warp_mps.usd.frame import Frame
+from warp_mps.usd.geometry import world_matrix
+from warp_mps.usd.values import Values, shortest, typed
+
+EARTH_GRAVITY = 9.81
+
+
+def physics_scene(prims: list[Usd.Prim], path: str) -> Usd.Prim:
+    """The one prim that says how the scene is run."""
+    found = [prim for prim in prims if prim.IsA(UsdPhysics.Scene)]
+    if len(found) != 1:
+        names = ", ".join(str(prim.GetPath()) for prim in found)
+        reason = f"there is more than one PhysicsScene prim: {names}" if found else "there is no PhysicsScene prim"
+        raise InputError(path, "", reason)
+    return found[0]
+
+
+def by_role(prims: list[Usd.Prim]) -> dict[str, list[Usd.Prim]]:
+    """The prims of each role."""
+    parts: dict[str, list[Usd.Prim]] = {role: [] for role in ROLES}
+    for prim in prims:
+        attribute = prim.GetAttribute(ROLE)
+        if not attribute or not attribute.HasAuthoredValue():
+            continue
+        role = attribute.Get()
+        if role not in parts:
+            raise InputError(str(prim.GetPath()), ROLE, f"is {role!r}, must be one of: {', '.join(ROLES)}")
+        parts[role].append(prim)
+    return parts
+
+
+def unique_names(prims: list[Usd.Prim]) -> dict[str, str]:
+    """Name of each path: the prim's, or where two are equal, the whole path's."""
+    short = [prim.GetName() for prim in prims]
+    names: dict[str, str] = {}
+    for prim in prims:
+        path = str(prim.GetPath())
+        name = prim.GetName() if short.count(prim.GetName()) == 1 else path.strip("/").replace("/", "_")
+        while name in names.values() or (name != prim.GetName() and name in short):
+            name += "_"
+        names[path] = name
+    return names
+
+
+def frame(stage: Usd.Stage, physics: Usd.Prim) -> Frame:
+    """Units and axes, and in 2-D the plane: by default the one that the up axis lies in."""
+    up_axis = str(UsdGeom.GetStageUpAxis(stage))
+    first = Values(physics, "scene", Frame(StageFrame(axes="xyz"), 3))
+    dimension = int(first.get("mps:dimension") or TABLE["scene"]["mps:dimension"].default)
+    plane = first.get("mps:plane") or ("xy" if up_axis == "Y" else "xz")
+    units = {"metersPerUnit": UsdGeom.GetStageMetersPerUnit(stage)}
+    units["kilogramsPerUnit"] = UsdPhysics.GetStageKilogramsPerUnit(stage)
+    for name, value in units.items():
+        if not np.isfinite(value) or value <= 0:
+            raise InputError("/", name, f"is {value:g}, must be finite and above 0")
+    axes = plane if dimension == 2 else "xyz"
+    length, mass = units.values()
+    return Frame(StageFrame(axes=axes, up_axis=up_axis, meters_per_unit=length, kilograms_per_unit=mass), dimension)
+
+
+def gravity(stage: Usd.Stage, physics: Usd.Prim, frame: Frame) -> tuple[float, ...]:
+    """Gravity by the rules of UsdPhysics: a zero direction is down, a negative magnitude is that of the Earth."""
+    row, path = TABLE["scene"]["physics:gravityMagnitude"], str(physics.GetPath())
+    magnitude = shortest(UsdPhysics.Scene(physics).GetGravityMagnitudeAttr().Get())
+    if not magnitude < 0 and not np.isfinite(magnitude):
+        raise InputError(path, row.name, "must be finite")
+    magnitude = EARTH_GRAVITY / frame.stage.meters_per_unit if magnitude < 0 else magnitude
+    attribute = UsdPhysics.Scene(physics).GetGravityDirectionAttr()
+    direction = np.array([shortest(part) for part in typed(attribute, TABLE["scene"][attribute.GetName()])])
+    if not direction.any():
+        direction = -np.eye(3)["XYZ".index(frame.stage.up_axis)]
+    vector = magnitude * direction / np.linalg.norm(direction)
+    return tuple(frame.vectors_to_scene(vector, row, path).tolist())
+
+
+def scalar_turn(fields: dict[str, Any]) -> dict[str, Any]:
+    """The fields of a body, with the angular velocity of a plane as the number that it is."""
+    turn = fields.get("angular_velocity")
+    return {**fields, "angular_velocity": turn[0]} if turn and len(turn) == 1 else fields
+
+
+def velocity_field(values: Values) -> VelocityField | None:
+    """The velocity that varies along a body, if it has one."""
+    kind = values.get("mps:velocityField")
+    names = ("amplitude", "axis", "origin", "length", "mode")
+    if kind is None:
+        return None
+    for part in names[:4]:
+        if not values.given(f"mps:velocityField:{part}"):
+            raise InputError(values.path, f"mps:velocityField:{part}", "is missing: mps:velocityField needs it")
+    return VelocityField(
+        kind=kind, **values.fields(*(f"mps:velocityField:{part}" for part in names), prefix="velocity_field.")
+    )
+
+
+def motion(values: Values) -> HarmonicMotion | TableMotion | None:
+    """The prescribed displacement of a support, if it has one."""
+    harmonic = values.fields(*(f"mps:motion:{part}" for part in ("amplitude", "frequency", "phase")), prefix="motion.")
+    table = values.fields("mps:motion:times", "mps:motion:displacements", prefix="motion.")
+    if harmonic and table:
+        reason = "is given beside a table of displacements: a motion is one or the other"
+        raise InputError(values.path, "mps:motion:amplitude", reason)
+    needed = ("amplitude", "frequency") if harmonic else ("times", "displacements") if table else ()
+    for part in needed:
+        if part not in {**harmonic, **table}:
+            raise InputError(values.path, f"mps:motion:{part}", "is missing: the motion needs it")
+    return HarmonicMotion(**harmonic) if harmonic else TableMotion(**table) if table else None
+
+
+def origin(prim: Usd.Prim, frame: Frame) -> tuple[float, ...]:
+    """The world origin of a prim, in the scene."""
+    origin = frame.placement(world_matrix(prim))[:3, 3]
+    if frame.dimension == 2 and abs(origin[2]) > 1e-6 * frame.stage.meters_per_unit:
+        reason = f"the probe lies {abs(origin[2]):g} m out of the plane {frame.stage.axes} of this 2-D scene"
+        raise InputError(str(prim.GetPath()), "xformOpOrder", reason)
+    return tuple(origin[: frame.dimension].tolist())

@@ -1,0 +1,198 @@
+"""Reading a scene from a USD stage: units and axes are settled here, and every error names a prim and an attribute."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from pxr import Usd, UsdShade
+
+from warp_mps.errors import InputError
+from warp_mps.scene import Body, Contact, Elasticity, Load, Material, Measurement, Probe, Scene, Support
+from warp_mps.shapes import Shape, particle_count
+from warp_mps.usd import parts
+from warp_mps.usd.attributes import ROLE, stage_error
+from warp_mps.usd.geometry import has_shape, read_shape
+from warp_mps.usd.opening import open_stage, quiet
+from warp_mps.usd.values import Values
+
+
+def read_stage(path: str | Path, *, overrides: Mapping[str, str] | None = None) -> Scene:
+    """Read the scene that a stage describes.
+
+    Args:
+        path: File of the stage.
+        overrides: Texts of attribute values by ``/Prim.attribute`` that replace the stage's own for this reading, in
+            the notation of a .usda file.
+
+    Returns:
+        The scene, in SI units and its own axes.
+
+    Raises:
+        InputError: Something in the stage is missing or not allowed; it names the prim and the attribute.
+    """
+    stage = open_stage(path, overrides=overrides)
+    with quiet():
+        try:
+            scene = _Reader(stage, str(path)).scene(Path(path).stem)
+            for body in scene.bodies:
+                _check_lattice(body, scene.dimension)
+        except InputError as error:
+            raise stage_error(error) from None
+    return scene
+
+
+def _check_lattice(body: Body, dimension: int) -> None:
+    """Refuse what cannot be filled with particles, while the stage's words for it are known."""
+    try:
+        particle_count(body.shape, body.spacing, dimension, body.node_axes)
+    except InputError as error:
+        raise InputError(body.path, error.attribute, error.reason) from None
+
+
+class _Reader:
+    """A stage, its parts by role and the names they take in the scene."""
+
+    def __init__(self, stage: Usd.Stage, path: str) -> None:
+        self.stage = stage
+        prims = list(stage.Traverse(Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)))
+        self.physics = parts.physics_scene(prims, path)
+        self.parts = parts.by_role(prims)
+        if not self.parts["body"]:
+            raise InputError(path, "", f'there is no body: no prim has {ROLE} = "body"')
+        self.names = {role: parts.unique_names(prims) for role, prims in self.parts.items()}
+        self.frame = parts.frame(stage, self.physics)
+
+    def scene(self, name: str) -> Scene:
+        values = self._values(self.physics, "scene")
+        options = values.fields(
+            *("mps:duration", "mps:planeModel", "mps:frameRate", "mps:sampleRate"),
+            *("mps:timeStep", "mps:courant", "mps:damping"),
+        )
+        contact = values.fields("mps:contact", "mps:contactStiffness")
+        renamed = {"contact": "between", "contact_stiffness": "stiffness"}
+        return Scene(
+            name=name,
+            dimension=self.frame.dimension,
+            gravity=parts.gravity(self.stage, self.physics, self.frame),
+            bodies=tuple(self._body(prim) for prim in self.parts["body"]),
+            supports=tuple(self._support(prim) for prim in self.parts["support"]),
+            loads=tuple(self._load(prim) for prim in self.parts["load"]),
+            probes=tuple(self._probe(prim) for prim in self.parts["probe"]),
+            measurements=tuple(self._measurement(prim) for prim in self.parts["measurement"]),
+            elasticity=Elasticity(**values.fields("mps:elasticModel", "mps:effectiveRadius", "mps:normalization")),
+            contact=Contact(**{renamed[field]: value for field, value in contact.items()}),
+            stage=self.frame.stage,
+            path=values.path,
+            **options,
+        )
+
+    def _body(self, prim: Usd.Prim) -> Body:
+        values = self._values(prim, "body")
+        return Body(
+            name=self._name(prim, "body"),
+            shape=self._region(values),
+            material=self._material(prim),
+            node_axes=values.axes("mps:nodeAxes", "xyz"),
+            velocity_field=parts.velocity_field(values),
+            bonded_to=self._named(values, "mps:bondedTo", "body"),
+            path=values.path,
+            **parts.scalar_turn(values.fields("mps:spacing", "mps:velocity", "mps:angularVelocity")),
+        )
+
+    def _material(self, prim: Usd.Prim) -> Material:
+        bound, _ = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial("physics")
+        if not bound:
+            raise InputError(str(prim.GetPath()), "material:binding:physics", "is missing: bind a material to the body")
+        values = self._values(bound.GetPrim(), "material")
+        own = self._own_density(prim)
+        names = ("mps:youngsModulus", "mps:poissonsRatio", *(() if own else ("physics:density",)))
+        return Material(path=values.path, **{**values.fields(*names), **own})
+
+    def _own_density(self, prim: Usd.Prim) -> dict[str, float]:
+        """Density that the body gives itself; zero is UsdPhysics' way to give none."""
+        values = Values(prim, "material", self.frame)
+        mass = prim.GetAttribute("physics:mass")
+        if mass and mass.HasAuthoredValue() and mass.Get():
+            raise InputError(values.path, "physics:mass", "is not read: give the density, physics:density, instead")
+        density = values.fields("physics:density") if values.given("physics:density") else {}
+        return {field: value for field, value in density.items() if value != 0}
+
+    def _support(self, prim: Usd.Prim) -> Support:
+        values = self._values(prim, "support")
+        return Support(
+            name=self._name(prim, "support"),
+            region=self._region(values),
+            axes=values.axes("mps:axes", self.frame.stage.axes),
+            bodies=self._named(values, "mps:bodies", "body"),
+            motion=parts.motion(values),
+            path=values.path,
+            **values.fields("mps:holdRotation"),
+        )
+
+    def _load(self, prim: Usd.Prim) -> Load:
+        values = self._values(prim, "load")
+        return Load(
+            name=self._name(prim, "load"),
+            region=self._region(values),
+            bodies=self._named(values, "mps:bodies", "body"),
+            path=values.path,
+            **values.fields("mps:force", "mps:acceleration", "mps:frequency", "mps:phase"),
+        )
+
+    def _probe(self, prim: Usd.Prim) -> Probe:
+        values = self._values(prim, "probe")
+        place: dict[str, Any] = {"point": None}
+        targets = values.targets("mps:target")
+        if targets:
+            place = self._target(values, targets)
+        elif has_shape(prim):
+            place = {"region": self._region(values)}
+        else:
+            place = {"point": parts.origin(prim, self.frame)}
+        return Probe(name=self._name(prim, "probe"), path=values.path, **place, **values.fields("mps:quantity"))
+
+    def _target(self, values: Values, targets: list[str]) -> dict[str, str]:
+        for role in ("body", "support"):
+            if len(targets) == 1 and targets[0] in self.names[role]:
+                return {role: self.names[role][targets[0]]}
+        raise InputError(values.path, "mps:target", "must lead to one body or one support")
+
+    def _measurement(self, prim: Usd.Prim) -> Measurement:
+        values = self._values(prim, "measurement")
+        probes = self._named(values, "mps:probe", "probe")
+        if len(probes) != 1:
+            raise InputError(values.path, "mps:probe", f"must lead to one probe, not {len(probes)}")
+        axis = values.get("mps:component") or self.frame.stage.axes[0]
+        if axis not in self.frame.stage.axes:
+            raise InputError(values.path, "mps:component", f"is {axis!r}, must be one of {self.frame.stage.axes}")
+        return Measurement(
+            name=prim.GetDisplayName() or prim.GetName(),
+            probe=probes[0],
+            component=self.frame.stage.axes.index(axis),
+            path=values.path,
+            **values.fields("mps:measure", "mps:reference", "mps:unit", "mps:source"),
+            **values.fields("mps:start", "mps:end", "mps:frequency"),
+        )
+
+    def _values(self, prim: Usd.Prim, role: str) -> Values:
+        values = Values(prim, role, self.frame)
+        values.check_names()
+        return values
+
+    def _region(self, values: Values) -> Shape:
+        # The bore's radius is a length of the shape's own coordinates, as its radius is.
+        return read_shape(values.prim, self.frame, values.get("mps:innerRadius") or 0.0)
+
+    def _name(self, prim: Usd.Prim, role: str) -> str:
+        return self.names[role][str(prim.GetPath())]
+
+    def _named(self, values: Values, name: str, role: str) -> tuple[str, ...]:
+        targets = values.targets(name)
+        for target in targets:
+            if target not in self.names[role]:
+                raise InputError(
+                    values.path, name, f'leads to {target}, which is no {role}: it has no {ROLE} = "{role}"'
+                )
+        return tuple(self.names[role][target] for target in targets)

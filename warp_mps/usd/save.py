@@ -1,0 +1,233 @@
+"""Saving a scene as a USD stage that reads back as the same scene."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from pxr import Gf, Sdf, Tf, Usd, UsdGeom, UsdPhysics, UsdShade
+
+from warp_mps import scene as sc
+from warp_mps.errors import InputError
+from warp_mps.shapes import Cylinder, Points
+from warp_mps.usd import register_schema
+from warp_mps.usd.attributes import ROLE, TABLE
+from warp_mps.usd.frame import Frame
+from warp_mps.usd.opening import quiet
+from warp_mps.usd.save_shape import lattice_axes, save_shape
+
+ROOT = "/World"
+SUFFIXES = (".usd", ".usda", ".usdc")
+
+
+def save_stage(scene: sc.Scene, path: str | Path) -> None:
+    """Save a scene as a stage, in the units and axes of `scene.frame`.
+
+    Points of meshes and ready-made particles, densities and gravity are single precision in USD; all else is double.
+
+    Args:
+        scene: The scene.
+        path: File to write; its suffix says which format.
+
+    Raises:
+        InputError: The suffix is not one of `SUFFIXES`, the file cannot be written, or a name is no prim name.
+    """
+    path = Path(path)
+    if path.suffix not in SUFFIXES:
+        raise InputError(str(path), "", f"must end in one of: {', '.join(SUFFIXES)}")
+    register_schema()
+    stage = Usd.Stage.CreateInMemory()
+    _Writer(stage, scene).write()
+    with quiet():
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            done = stage.GetRootLayer().Export(str(path))
+        except (OSError, Tf.ErrorException):
+            done = False
+    if not done:
+        raise InputError(str(path), "", "cannot be written")
+
+
+class _Writer:
+    """A stage that is being written from a scene."""
+
+    def __init__(self, stage: Usd.Stage, scene: sc.Scene) -> None:
+        self.stage, self.scene = stage, scene
+        self.frame = Frame(scene.frame, scene.dimension)
+        self.paths = {
+            kind: {item.name: f"{ROOT}/{kind}/{item.name}" for item in items}
+            for kind, items in (("Bodies", scene.bodies), ("Supports", scene.supports), ("Probes", scene.probes))
+        }
+
+    def write(self) -> None:
+        stage, frame = self.stage, self.scene.frame
+        UsdGeom.SetStageMetersPerUnit(stage, frame.meters_per_unit)
+        UsdPhysics.SetStageKilogramsPerUnit(stage, frame.kilograms_per_unit)
+        UsdGeom.SetStageUpAxis(stage, frame.up_axis)
+        stage.SetDefaultPrim(UsdGeom.Xform.Define(stage, ROOT).GetPrim())
+        self._scene()
+        for body in self.scene.bodies:
+            self._body(body)
+        for support in self.scene.supports:
+            self._support(support)
+        for number, load in enumerate(self.scene.loads):
+            self._load(load, number)
+        for probe in self.scene.probes:
+            self._probe(probe)
+        for number, measurement in enumerate(self.scene.measurements):
+            self._measurement(measurement, number)
+
+    def _scene(self) -> None:
+        scene, path = self.scene, f"{ROOT}/PhysicsScene"
+        physics = UsdPhysics.Scene.Define(self.stage, path)
+        gravity_si = np.asarray(scene.gravity if len(scene.gravity) else (0.0,) * scene.dimension)
+        gravity = self.frame.vectors_to_stage(gravity_si, _GRAVITY)
+        magnitude = float(np.linalg.norm(gravity))
+        physics.CreateGravityMagnitudeAttr(magnitude)
+        physics.CreateGravityDirectionAttr(Gf.Vec3f(*(gravity / magnitude if magnitude else gravity).tolist()))
+        flat = {"mps:plane": scene.frame.axes, "mps:planeModel": scene.plane} if scene.dimension == 2 else {}
+        values = {
+            "mps:dimension": scene.dimension,
+            **flat,
+            "mps:duration": scene.duration,
+            "mps:frameRate": scene.frame_rate,
+            "mps:sampleRate": scene.sample_rate,
+            "mps:timeStep": scene.time_step,
+            "mps:courant": scene.courant,
+            "mps:damping": scene.damping,
+            "mps:elasticModel": scene.elasticity.model,
+            "mps:effectiveRadius": scene.elasticity.effective_radius,
+            "mps:normalization": scene.elasticity.normalization,
+            "mps:contact": scene.contact.between,
+            "mps:contactStiffness": scene.contact.stiffness,
+        }
+        self._author(physics.GetPrim(), "scene", values)
+
+    def _body(self, body: sc.Body) -> None:
+        prim = self._region("Bodies", body.name, body, body.shape)
+        UsdShade.MaterialBindingAPI.Apply(prim).Bind(self._material(body), materialPurpose="physics")
+        axes = lattice_axes(body.shape, body.node_axes, self.frame)
+        values: dict[str, Any] = {"mps:spacing": body.spacing, "mps:nodeAxes": axes or None}
+        values |= {"mps:velocity": body.velocity, "mps:angularVelocity": body.angular_velocity}
+        if body.velocity_field:
+            values["mps:velocityField"] = body.velocity_field.kind
+            for part in ("amplitude", "axis", "origin", "length", "mode"):
+                values[f"mps:velocityField:{part}"] = getattr(body.velocity_field, part)
+        self._author(prim, "body", values)
+        self._relate(prim, "mps:bondedTo", "Bodies", body.bonded_to)
+        if isinstance(body.shape, Points):
+            count = len(body.shape.positions)
+            width = body.spacing / self.frame.stage.meters_per_unit
+            UsdGeom.Points(prim).CreateWidthsAttr([width] * count)
+
+    def _material(self, body: sc.Body) -> UsdShade.Material:
+        """The body's material: one prim for all bodies whose materials are equal."""
+        material = body.material
+        first = next(other.name for other in self.scene.bodies if other.material == material)
+        path = f"{ROOT}/Materials/{first}"
+        if self.stage.GetPrimAtPath(path):
+            return UsdShade.Material(self.stage.GetPrimAtPath(path))
+        self._scope("Materials")
+        shade = UsdShade.Material.Define(self.stage, path)
+        density = material.density / self.frame.factor(TABLE["material"]["physics:density"])
+        UsdPhysics.MaterialAPI.Apply(shade.GetPrim()).CreateDensityAttr(density)
+        values = {"mps:youngsModulus": material.youngs_modulus, "mps:poissonsRatio": material.poissons_ratio}
+        self._author(shade.GetPrim(), "material", values)
+        return shade
+
+    def _support(self, support: sc.Support) -> None:
+        prim = self._region("Supports", support.name, support, support.region)
+        values: dict[str, Any] = {"mps:holdRotation": support.hold_rotation}
+        values["mps:axes"] = "".join(self.frame.stage.axes[axis] for axis in support.axes) or None
+        motion = support.motion
+        if isinstance(motion, sc.HarmonicMotion):
+            values |= {f"mps:motion:{part}": getattr(motion, part) for part in ("amplitude", "frequency", "phase")}
+        elif motion is not None:
+            values |= {f"mps:motion:{part}": getattr(motion, part) for part in ("times", "displacements")}
+        self._author(prim, "support", values)
+        self._relate(prim, "mps:bodies", "Bodies", support.bodies)
+
+    def _load(self, load: sc.Load, number: int) -> None:
+        name = (
+            load.name if [other.name for other in self.scene.loads].count(load.name) == 1 else f"{load.name}_{number}"
+        )
+        prim = self._region("Loads", name, load, load.region)
+        values = {f"mps:{part}": getattr(load, part) for part in ("force", "acceleration", "frequency", "phase")}
+        self._author(prim, "load", values)
+        self._relate(prim, "mps:bodies", "Bodies", load.bodies)
+
+    def _probe(self, probe: sc.Probe) -> None:
+        if probe.region is not None:
+            prim = self._region("Probes", probe.name, probe, probe.region)
+        else:
+            xform = UsdGeom.Xform.Define(self.stage, self._place("Probes", probe.name, probe))
+            prim = xform.GetPrim()
+            if probe.point is not None:
+                xform.AddTranslateOp().Set(Gf.Vec3d(*self.frame.vectors_to_stage(probe.point, _POINT).tolist()))
+        self._author(prim, "probe", {"mps:quantity": probe.quantity})
+        for kind, name in (("Bodies", probe.body), ("Supports", probe.support)):
+            self._relate(prim, "mps:target", kind, () if name is None else (name,))
+
+    def _measurement(self, measurement: sc.Measurement, number: int) -> None:
+        name = Tf.MakeValidIdentifier(measurement.name)
+        taken = self.stage.GetPrimAtPath(f"{ROOT}/Measurements/{name}")
+        path = self._place("Measurements", f"{name}_{number}" if taken else name, measurement)
+        prim = UsdGeom.Scope.Define(self.stage, path).GetPrim()
+        prim.SetDisplayName(measurement.name)
+        parts = ("measure", "unit", "reference", "source", "start", "end", "frequency")
+        values = {f"mps:{part}": getattr(measurement, part) for part in parts}
+        values["mps:component"] = self.frame.stage.axes[measurement.component]
+        self._author(prim, "measurement", values)
+        self._relate(prim, "mps:probe", "Probes", (measurement.probe,))
+
+    def _region(self, kind: str, name: str, item: Any, shape: Any) -> Usd.Prim:
+        prim = save_shape(self.stage, self._place(kind, name, item), shape, self.frame)
+        if isinstance(shape, Cylinder) and shape.inner_radius > 0:
+            row = TABLE["body"]["mps:innerRadius"]
+            bore = prim.CreateAttribute(row.name, Sdf.ValueTypeNames.Find(row.kind), custom=False)
+            bore.Set(_usd_value(shape.inner_radius, row, self.frame))
+        return prim
+
+    def _place(self, kind: str, name: str, item: Any) -> str:
+        if not Sdf.Path.IsValidIdentifier(name):
+            where = item.path or f"{type(item).__name__.lower()} {name!r}"
+            raise InputError(where, "name", f"{name!r} is no prim name: use letters, digits and _, no digit first")
+        self._scope(kind)
+        return f"{ROOT}/{kind}/{name}"
+
+    def _scope(self, kind: str) -> None:
+        UsdGeom.Scope.Define(self.stage, f"{ROOT}/{kind}")
+
+    def _author(self, prim: Usd.Prim, role: str, values: dict[str, Any]) -> None:
+        """Write the values that are not None and differ from the default."""
+        prim.AddAppliedSchema(f"Mps{role.capitalize()}API")
+        if role not in ("scene", "material"):
+            prim.CreateAttribute(ROLE, Sdf.ValueTypeNames.Token, custom=False).Set(role)
+        for name, value in values.items():
+            row = TABLE[role][name]
+            if value is None or (value == row.default if isinstance(value, float | int | str) else not len(value)):
+                continue
+            attribute = prim.CreateAttribute(name, Sdf.ValueTypeNames.Find(row.kind), custom=False)
+            attribute.Set(_usd_value(value, row, self.frame))
+
+    def _relate(self, prim: Usd.Prim, name: str, kind: str, names: tuple[str, ...]) -> None:
+        if names:
+            prim.CreateRelationship(name, custom=False).SetTargets([self.paths[kind][other] for other in names])
+
+
+def _usd_value(value: Any, row: Any, frame: Frame) -> Any:
+    if row.kind == "double":
+        return float(value) / frame.factor(row)
+    if row.kind == "double[]":
+        return [float(number) for number in value]
+    if row.kind == "double3":
+        return Gf.Vec3d(*frame.vectors_to_stage(value, row).tolist())
+    if row.kind == "double3[]":
+        return [Gf.Vec3d(*vector) for vector in frame.vectors_to_stage(value, row).tolist()]
+    return value
+
+
+_GRAVITY = TABLE["scene"]["physics:gravityMagnitude"]
+# A point has the units and the axes of a velocity field's origin.
+_POINT = TABLE["body"]["mps:velocityField:origin"]
