@@ -4,6 +4,7 @@ Warp runs a launch on the CPU in one thread, but lets other threads run meanwhil
 two sections all threads wait for each other, and within one no thread reads what another writes.
 """
 
+import itertools
 import threading
 from collections.abc import Callable, Sequence
 
@@ -49,4 +50,4 @@ class Team:
 def shares(count: int, threads: int) -> list[tuple[int, int]]:
     """First particle and number of particles of each thread."""
     ends = [count * number // threads for number in range(threads + 1)]
-    return [(first, last - first) for first, last in zip(ends[:-1], ends[1:], strict=True)]
+    return [(first, last - first) for first, last in itertools.pairwise(ends)]

@@ -1,8 +1,8 @@
 """Contact: particles that are not neighbours in the reference configuration repel each other below their spacing.
 
 The repulsion is the gradient of the potential 1/2 k (d - |x_ij|)^2 of each pair closer than d, the mean of the two
-spacings: central, equal and opposite, energy kept. Candidates are found with `wp.HashGrid` a little beyond d and listed;
-the list is renewed, inside the replayed step, when a particle has moved half of that margin.
+spacings: central, equal and opposite, energy kept. Candidates are found with `wp.HashGrid` a little beyond d and are
+listed; the list is renewed, inside the replayed step, when a particle has moved half of that margin.
 """
 
 import functools

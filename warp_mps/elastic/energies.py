@@ -1,4 +1,4 @@
-"""Energies of the elastic particles, summed in fixed chunks so that the sum does not depend on the device's schedule."""
+"""Energies of the elastic particles, summed in fixed chunks so that no schedule of the device can change the sum."""
 
 import functools
 from types import SimpleNamespace

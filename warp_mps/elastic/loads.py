@@ -128,9 +128,7 @@ def load_kernels(kit: Kit) -> SimpleNamespace:
         power: wp.array(dtype=real),
         work: wp.array(dtype=wp.float64),
     ):
-        """Work of a load: its force times the velocity, the mean of both ends of a step; `weight` is dt, or 0 before
-        the first step.
-        """
+        """Work of a load: force times velocity, the mean of a step's ends; `weight` is dt, or 0 before the first."""
         k = wp.tid()
         i = particles[k]
         t = wp.float64(steps[0]) * dt

@@ -81,7 +81,7 @@ class Outside:
             acceleration, frequency, phase = agent.numbers
             factor = np.sin(2.0 * np.pi * frequency * time + phase) if frequency else 1.0
             found = agent.particles.numpy()
-            forces[found] += factor * masses[found, None] * np.array(list(acceleration))
+            forces[found] += factor * np.outer(masses[found], [float(a) for a in acceleration])
         return forces
 
     def work(self) -> float:

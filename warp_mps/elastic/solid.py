@@ -161,7 +161,7 @@ class Solid:
 
     def internal_forces(self) -> np.ndarray:
         """Elastic and contact forces: the total force less weight and loads [N], shape [n, d]."""
-        weight = self._masses[:, None] * np.array(list(self._gravity))
+        weight = np.outer(self._masses, [float(g) for g in self._gravity])
         return self.state.force.numpy().astype(float) - weight - self.outside.loads(self._masses)
 
     def arrays(self) -> dict[str, np.ndarray]:

@@ -48,6 +48,8 @@ def open_stage(path: str | Path, *, overrides: Mapping[str, str] | None = None) 
     with quiet():
         try:
             stage = Usd.Stage.Open(str(path))
+            # USD hands out what it holds in memory: what counts here is the file as it is now.
+            stage.Reload()
         except Tf.ErrorException as error:
             raise InputError(str(path), "", f"is not a USD stage that can be read: {_reason(error)}") from None
         errors = stage.GetCompositionErrors()

@@ -168,7 +168,7 @@ LOAD = _table(
 
 PROBE = _table(
     "probe",
-    _row("mps:quantity", "token", "quantity", "what is recorded; see the table below",
+    _row("mps:quantity", "token", "quantity", "what is recorded, of those that its place has",
          default=_default(sc.Probe, "quantity"), allowed=_PROBES),
     _row("mps:target", "rel", "target", "a body or a support that it records, instead of a place"),
     _INNER,

@@ -13,6 +13,9 @@ from warp_mps.errors import InputError
 from warp_mps.shapes import Box, Cylinder, Mesh, Points, Shape, Sphere
 from warp_mps.usd.frame import Frame
 
+# Depth of what is infinitely deep in a 3-D scene, in units of its width.
+DEEP = 1e6
+
 
 def save_shape(stage: Usd.Stage, path: str, shape: Shape, frame: Frame) -> Usd.Prim:
     """Define the prim of a shape.
@@ -44,7 +47,7 @@ def in_stage(shape: Any, frame: Frame) -> Shape:
     if isinstance(shape, Points):
         positions = shape.to_scene(shape.positions) @ turn.T
         return Points(positions, None if shape.velocities is None else shape.velocities @ turn.T)
-    shape = _finite(shape)
+    shape = _finite(shape, frame.dimension)
     if shape.placement is not None or isinstance(shape, Mesh):
         placement = np.eye(4)
         placement[:3] = turn @ (np.eye(4) if shape.placement is None else shape.placement)[:3]
@@ -68,13 +71,14 @@ def _turned(turn: np.ndarray, axis: int) -> int:
     return int(np.argmax(np.abs(turn[:, axis])))
 
 
-def _finite(shape: Any) -> Any:
-    """The shape with a depth for one that is infinitely deep; a 2-D scene uses its section alone."""
+def _finite(shape: Any, dimension: int) -> Any:
+    """The shape with a depth for one that is infinitely deep: a 2-D scene uses its section alone."""
     if isinstance(shape, Box) and not np.isfinite(shape.size).all():
-        depth = min(shape.size)
+        largest = max((length for length in shape.size if np.isfinite(length)), default=1.0)
+        depth = min(*shape.size, largest) if dimension == 2 else DEEP * largest
         return replace(shape, size=tuple(length if np.isfinite(length) else depth for length in shape.size))
     if isinstance(shape, Cylinder) and not np.isfinite(shape.height):
-        return replace(shape, height=2 * shape.radius)
+        return replace(shape, height=2 * shape.radius if dimension == 2 else DEEP * shape.radius)
     return shape
 
 

@@ -52,6 +52,17 @@ def generated_schema() -> str:
     return head + "".join(_schema(role) for role in TABLE)
 
 
+def reference_row(row: Attribute) -> str:
+    """Row of an attribute in the reference of stages/README.md."""
+    default = "required" if row.required else "" if row.default is None else _shown(row)
+    allowed = f" ({', '.join(f'`{value}`' for value in row.allowed)})" if row.allowed else ""
+    return f"| `{row.name}` | {row.kind} | {row.unit or '-'} | {default or '-'} | {row.meaning}{allowed} |"
+
+
+def _shown(row: Attribute) -> str:
+    return " ".join(str(row.default).split()) if row.default != "" else "empty"
+
+
 def _schema(role: str) -> str:
     lines = [f'class "{schema_name(role)}" (', f"    doc = {_quoted(MEANINGS[role])}", ")", "{"]
     if role in ROLES:
