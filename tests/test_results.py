@@ -45,7 +45,7 @@ def test_errors_are_signed_and_relative_to_the_size_of_the_reference() -> None:
     assert row(reference=None)["error"] is None
 
 
-@pytest.mark.parametrize("options", [{"measure": "frequency"}, {"start": 0.9}])
+@pytest.mark.parametrize("options", [{"measure": "frequency", "unit": "rad/s"}, {"start": 0.9}])
 def test_what_cannot_be_drawn_has_no_value_and_says_why(options: dict) -> None:
     result = row(reference=1.0, **options)
     assert result["value"] is None

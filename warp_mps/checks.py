@@ -166,6 +166,8 @@ def _probe(scene: Scene, probe: Probe) -> None:
 def _measurement(scene: Scene, measurement: Measurement) -> None:
     where = place(measurement, "measurement")
     _choice(measurement.measure, sc.MEASURES, where, "measure")
+    if measurement.measure == "frequency":
+        _choice(measurement.unit, ("", "rad/s", "Hz"), where, "unit")
     known = [probe.name for probe in scene.probes]
     _require(measurement.probe in known, where, "probe", f"names no probe: {measurement.probe!r}")
     good = 0 <= measurement.component < max(scene.dimension, 1)

@@ -2,10 +2,12 @@
 
 y(t) is the chosen component of the probe between the measurement's start and end, sampled at t_1 < ... < t_m.
 
-- ``frequency``: the omega [rad/s] of the best fit y = A cos(omega t) + B sin(omega t) + C in the least-squares sense,
+- ``frequency``: the omega [rad/s], or omega / 2 pi where the unit is Hz, of the best fit y = A cos(omega t) + B sin(omega t) + C in the least-squares sense,
   over A, B, C and omega; at least one period must lie in the window. A second mode of relative amplitude e that is
   twice as fast or more shifts it by less than about 0.3 e / periods^2.
+- ``period``: 2 pi / omega of that fit [s].
 - ``amplitude``: sqrt(A^2 + B^2) of that fit.
+- ``offset``: C of that fit: what an oscillation goes around, whether or not the window holds whole periods.
 - ``mean``: 1/(t_m - t_1) times the integral of y, by the trapezoidal rule.
 - ``minimum``, ``maximum``: the least and the greatest y(t_k).
 - ``final``: y(t_m).
@@ -49,7 +51,8 @@ def evaluate(measurement: Measurement, times: np.ndarray, values: np.ndarray) ->
     if measurement.measure.startswith("harmonic"):
         sine, cosine = _harmonic(times, values, 2.0 * np.pi * measurement.frequency)
         return _phase(sine, cosine) if measurement.measure == "harmonic_phase" else float(np.hypot(sine, cosine))
-    return _MEASURES[measurement.measure](times, values)
+    value = _MEASURES[measurement.measure](times, values)
+    return value / (2.0 * np.pi) if measurement.measure == "frequency" and measurement.unit == "Hz" else value
 
 
 def _window(measurement: Measurement, times: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -79,6 +82,11 @@ def _require_period(times: np.ndarray, omega: float) -> None:
 def _amplitude(times: np.ndarray, values: np.ndarray) -> float:
     (a, b, _), _ = sinusoid.fit(times, values, [_frequency(times, values)])
     return float(np.hypot(a, b))
+
+
+def _offset(times: np.ndarray, values: np.ndarray) -> float:
+    coefficients, _ = sinusoid.fit(times, values, [_frequency(times, values)])
+    return float(coefficients[-1])
 
 
 def _mean(times: np.ndarray, values: np.ndarray) -> float:
@@ -119,7 +127,9 @@ def _phase(sine: float, cosine: float) -> float:
 
 _MEASURES: dict[str, Callable[[np.ndarray, np.ndarray], float]] = {
     "frequency": _frequency,
+    "period": lambda times, values: 2.0 * np.pi / _frequency(times, values),
     "amplitude": _amplitude,
+    "offset": _offset,
     "mean": _mean,
     "minimum": lambda times, values: float(values.min()),
     "maximum": lambda times, values: float(values.max()),

@@ -28,7 +28,9 @@ PROBE_QUANTITIES = {
 }
 MEASURES = (
     "frequency",
+    "period",
     "amplitude",
+    "offset",
     "mean",
     "minimum",
     "maximum",
@@ -228,7 +230,7 @@ class Measurement:
         measure: How it is drawn, one of `MEASURES` (`warp_mps.measure` defines each).
         probe: Name of the probe.
         component: Component of the probe (0 is x).
-        unit: Unit of the value, for display.
+        unit: Unit of the value, for display; ``Hz`` makes a ``frequency`` cycles a second, else it is in rad/s.
         reference: The value to expect, if one is known.
         source: Where the reference comes from.
         start: Beginning of the history that is used [s].
@@ -261,7 +263,7 @@ class Elasticity:
     """
 
     model: str = "springs"
-    effective_radius: float = 2.1
+    effective_radius: float = 1.5
     normalization: str = "lattice"
 
 
@@ -301,6 +303,7 @@ class Scene:
 
     Attributes:
         name: Name of the case.
+        description: What it is, in a line or more.
         bodies: Elastic bodies.
         duration: Simulated time [s].
         dimension: 2 or 3.
@@ -327,6 +330,7 @@ class Scene:
     bodies: tuple[Body, ...]
     duration: float
     name: str = "case"
+    description: str = ""
     dimension: int = 2
     plane: str = "strain"
     gravity: Vector = ()

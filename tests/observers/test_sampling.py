@@ -71,7 +71,7 @@ def test_a_body_moves_as_its_mass_centre(dimension: int) -> None:
     momentum = 1000.0 * 0.1**dimension * view.velocities[right].sum(axis=0)
     assert sample(view, body="right", quantity="momentum") == pytest.approx(momentum)
     assert sample(view, body="right", quantity="contact_force") == pytest.approx(view.contact_forces[right].sum(axis=0))
-    extent = view.positions[right].max(axis=0) - view.positions[right].min(axis=0)
+    extent = view.positions[right].max(axis=0) - view.positions[right].min(axis=0) + view.particles.spacings[right][0]
     assert sample(view, body="right", quantity="extent") == pytest.approx(extent)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -15,6 +16,8 @@ from warp_mps.results import RunSummary
 from warp_mps.scene import Scene
 from warp_mps.simulation import Clock
 
+WIDE = 200
+
 
 def show_cases() -> int:
     """Print the shipped cases and the first line of what each says of itself."""
@@ -24,7 +27,7 @@ def show_cases() -> int:
     for name, path in shipped_cases().items():
         text = Sdf.Layer.OpenAsAnonymous(str(path)).documentation.strip()
         table.add_row(name, text.splitlines()[0] if text else "")
-    Console().print(table)
+    console().print(table)
     return 0
 
 
@@ -43,24 +46,24 @@ def show_check(scene: Scene) -> int:
     table.add_row("steps, frames", f"{cost.steps}, {cost.frames}")
     table.add_row("memory", f"{_bytes(cost.memory)} of {_bytes(available_memory())} available")
     table.add_row("expected time on one CPU core", _duration(cost.seconds))
-    Console().print(table)
+    console().print(table)
     return 0
 
 
 def show_summary(summary: RunSummary, folder: Path) -> None:
     """Print how a run went and where its results are."""
-    console = Console()
+    out = console()
     speed = summary.particle_steps_per_second.get("solid") or 0.0
     drift = summary.energy.get("drift")
-    console.print(
+    out.print(
         f"{summary.case}: {summary.steps} steps, {summary.time:.6g} s simulated in {_duration(summary.wall_seconds)} "
         f"({speed / 1e6:.3g} million particle-steps a second), energy drift {_percent(drift)}",
         highlight=False,
         soft_wrap=True,
     )
     if summary.measurements:
-        console.print(measurement_table([(summary.case, row) for row in summary.measurements]))
-    console.print(f"results in {folder}", highlight=False, soft_wrap=True)
+        out.print(measurement_table([(summary.case, row) for row in summary.measurements]))
+    out.print(f"results in {folder}", highlight=False, soft_wrap=True)
 
 
 def measurement_table(rows: Sequence[tuple[str, dict[str, Any]]]) -> Table:
@@ -77,10 +80,17 @@ def measurement_table(rows: Sequence[tuple[str, dict[str, Any]]]) -> Table:
     return table
 
 
+def console() -> Console:
+    """Standard output; as wide as a table needs where it is no terminal, so that a log can be searched."""
+    return Console() if sys.stdout.isatty() else Console(width=WIDE)
+
+
 def _table(*columns: str) -> Table:
+    """A table whose last column gives way when there is little room."""
     table = Table(box=None, pad_edge=False, header_style="bold")
-    for column in columns:
-        table.add_column(column, overflow="fold")
+    for column in columns[:-1]:
+        table.add_column(column, no_wrap=True)
+    table.add_column(columns[-1], overflow="fold")
     return table
 
 

@@ -44,11 +44,12 @@ def _plane_funcs(kit: Kit, method: str) -> SimpleNamespace:
 
     @kit.func(method)
     def advance(q: rotor, omega: spin, dt: real) -> rotor:
-        """Rotor after a turn of omega dt, by the Cayley map (third order in the angle, exactly of unit length)."""
-        a = real(0.125) * dt * omega[0]
-        c = (real(1.0) - a * a) / (real(1.0) + a * a)
-        s = real(2.0) * a / (real(1.0) + a * a)
-        return rotor(c * q[0] - s * q[1], s * q[0] + c * q[1])
+        """Rotor after a turn of omega dt, by the Cayley map.
+
+        Normalized, because in single precision the length would grow by the same rounding at every step.
+        """
+        a = real(0.25) * dt * omega[0]
+        return wp.normalize(rotor(q[0] - a * q[1], q[1] + a * q[0]))
 
     return SimpleNamespace(cross=cross, mean_rotor=mean_rotor, turn=turn, torque_share=torque_share, advance=advance)
 

@@ -93,7 +93,9 @@ def _of_body(quantity: str, particles: Particles, body: int) -> Sample:
     if quantity == "angular_momentum":
         return _angular_momentum(particles, indices)
     if quantity == "extent":
-        return lambda view: np.ptp(view.positions[indices], axis=0)
+        # a particle reaches half a spacing beyond its centre
+        width = particles.spacings[first]
+        return lambda view: np.ptp(view.positions[indices], axis=0) + width
     weights = masses / masses.sum()
     return _mean(quantity, weights @ particles.positions[indices], indices, weights)
 

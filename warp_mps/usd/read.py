@@ -74,6 +74,7 @@ class _Reader:
         renamed = {"contact": "between", "contact_stiffness": "stiffness"}
         return Scene(
             name=name,
+            description=self.stage.GetRootLayer().documentation,
             dimension=self.frame.dimension,
             gravity=parts.gravity(self.stage, self.physics, self.frame),
             bodies=tuple(self._body(prim) for prim in self.parts["body"]),

@@ -65,6 +65,7 @@ class _Writer:
         UsdGeom.SetStageMetersPerUnit(stage, frame.meters_per_unit)
         UsdPhysics.SetStageKilogramsPerUnit(stage, frame.kilograms_per_unit)
         UsdGeom.SetStageUpAxis(stage, frame.up_axis)
+        stage.GetRootLayer().documentation = self.scene.description
         stage.SetDefaultPrim(UsdGeom.Xform.Define(stage, ROOT).GetPrim())
         self._scene()
         for body in self.scene.bodies:
