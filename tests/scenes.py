@@ -6,6 +6,7 @@ import numpy as np
 
 from warp_mps.scene import Body, Elasticity, Material, Scene
 from warp_mps.shapes import Box
+from warp_mps.simulation import Simulation
 
 RUBBER = Material(1000.0, 1e7, 0.3)
 STEEL = Material(3000.0, 5e7, 0.1)
@@ -73,3 +74,18 @@ def elasticities() -> list[Elasticity]:
 def random(*shape: int, seed: int = 0) -> np.ndarray:
     """Numbers between -1 and 1."""
     return np.random.default_rng(seed).uniform(-1.0, 1.0, shape)
+
+
+def angular_momentum(simulation: Simulation) -> np.ndarray:
+    """Angular momentum about the origin, of the particles' paths and of their own rotation, shape [1] or [3]."""
+    particles = simulation.particles
+    moments = cross(simulation.positions, simulation.velocities) * particles.masses[:, None]
+    inertia = particles.masses * particles.spacings**2 / 6.0
+    return (moments + inertia[:, None] * simulation.angular_velocities).sum(axis=0)
+
+
+def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """Cross products, shape [n, 1] in 2-D and [n, 3] in 3-D."""
+    if a.shape[1] == 3:
+        return np.cross(a, b)
+    return (a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0])[:, None]

@@ -1,3 +1,106 @@
-"""warp_mps: elastic structures by the Moving Particle Semi-implicit method (MPS), as NVIDIA Warp kernels."""
+"""warp_mps: elastic structures by the Moving Particle Semi-implicit method (MPS), as NVIDIA Warp kernels.
+
+A case is a USD stage or a `Scene` made in Python; a result is a USD animation. A first simulation::
+
+    import warp_mps as mps
+
+    rubber = mps.Material(density=1000.0, youngs_modulus=1e7, poissons_ratio=0.3)
+    beam = mps.Body(name="beam", shape=mps.Box((0.16, 0.02)), material=rubber, spacing=0.0025)
+    clamp = mps.Support(name="clamp", region=mps.Box((0.01, 0.04), center=(-0.08, 0.0)))
+    tip = mps.Probe(name="tip", point=(0.078, 0.0))
+    scene = mps.Scene(bodies=(beam,), supports=(clamp,), probes=(tip,), gravity=(0.0, -9.81), duration=0.5)
+    summary = mps.run_scene(scene, "runs/cantilever")
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from warp_mps.catalogue import find_case, shipped_cases
+    from warp_mps.errors import InputError, RunError
+    from warp_mps.history import read_history
+    from warp_mps.results import RunSummary, read_summary
+    from warp_mps.runs import run_scene
+    from warp_mps.scene import (
+        Body,
+        Contact,
+        Elasticity,
+        HarmonicMotion,
+        Load,
+        Material,
+        Measurement,
+        Probe,
+        Scene,
+        StageFrame,
+        Support,
+        TableMotion,
+        VelocityField,
+    )
+    from warp_mps.shapes import Box, Cylinder, Mesh, Points, Sphere
+    from warp_mps.simulation import Simulation
+    from warp_mps.usd.read import read_stage
+    from warp_mps.usd.save import save_stage
 
 __version__ = "0.1.0"
+
+# where each public name is defined; they are imported when they are first used, for Warp and USD take seconds to load
+_HOMES = {
+    "warp_mps.catalogue": ("find_case", "shipped_cases"),
+    "warp_mps.errors": ("InputError", "RunError"),
+    "warp_mps.history": ("read_history",),
+    "warp_mps.results": ("RunSummary", "read_summary"),
+    "warp_mps.runs": ("run_scene",),
+    "warp_mps.scene": (
+        *("Body", "Contact", "Elasticity", "HarmonicMotion", "Load", "Material", "Measurement", "Probe", "Scene"),
+        *("StageFrame", "Support", "TableMotion", "VelocityField"),
+    ),
+    "warp_mps.shapes": ("Box", "Cylinder", "Mesh", "Points", "Sphere"),
+    "warp_mps.simulation": ("Simulation",),
+    "warp_mps.usd.read": ("read_stage",),
+    "warp_mps.usd.save": ("save_stage",),
+}
+_HOME_OF = {name: home for home, names in _HOMES.items() for name in names}
+
+__all__ = [
+    "Body",
+    "Box",
+    "Contact",
+    "Cylinder",
+    "Elasticity",
+    "HarmonicMotion",
+    "InputError",
+    "Load",
+    "Material",
+    "Measurement",
+    "Mesh",
+    "Points",
+    "Probe",
+    "RunError",
+    "RunSummary",
+    "Scene",
+    "Simulation",
+    "Sphere",
+    "StageFrame",
+    "Support",
+    "TableMotion",
+    "VelocityField",
+    "find_case",
+    "read_history",
+    "read_stage",
+    "read_summary",
+    "run_scene",
+    "save_stage",
+    "shipped_cases",
+]
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOME_OF:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(import_module(_HOME_OF[name]), name)
+
+
+def __dir__() -> list[str]:
+    return [*__all__, "__version__"]

@@ -14,9 +14,10 @@ from warp_mps.simulation import Clock
 
 # seconds a particle-step and neighbour on one CPU core, as the benchmark measures it (2-D, 3-D)
 SECONDS_PER_PAIR = {2: 12e-9, 3: 30e-9}
-# bytes a particle and a pair take at the worst moment, the set-up: NumPy's temporaries beside the device arrays
-BYTES_PER_PARTICLE = 1500
-BYTES_PER_PAIR = 200
+# bytes that a particle and a pair take at most (2-D, 3-D); a block of a million particles was measured to need 0.7 GB
+# in 2-D and 1.8 GB in 3-D, where these figures give 1.1 and 2.4
+BYTES_PER_PARTICLE = {2: 600, 3: 900}
+BYTES_PER_PAIR = {2: 40, 3: 48}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -52,7 +53,7 @@ def estimate(scene: Scene) -> Cost:
     particles = count_particles(scene)
     total = sum(particles.values())
     neighbours = lattice_neighbours(scene.dimension, scene.elasticity.effective_radius)
-    memory = total * (BYTES_PER_PARTICLE + BYTES_PER_PAIR * neighbours) * (scene.dimension / 2.0)
+    memory = float(total) * (BYTES_PER_PARTICLE[scene.dimension] + BYTES_PER_PAIR[scene.dimension] * neighbours)
     return Cost(
         particles=particles,
         neighbours=neighbours,

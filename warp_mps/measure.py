@@ -2,9 +2,9 @@
 
 y(t) is the chosen component of the probe between the measurement's start and end, sampled at t_1 < ... < t_m.
 
-- ``frequency``: the omega [rad/s], or omega / 2 pi where the unit is Hz, of the best fit y = A cos(omega t) + B sin(omega t) + C in the least-squares sense,
-  over A, B, C and omega; at least one period must lie in the window. A second mode of relative amplitude e that is
-  twice as fast or more shifts it by less than about 0.3 e / periods^2.
+- ``frequency``: the omega [rad/s], or omega / 2 pi where the unit is Hz, of the best fit y = A cos(omega t) +
+  B sin(omega t) + C in the least-squares sense, over A, B, C and omega; at least one period must lie in the window. A
+  second mode of relative amplitude e that is twice as fast or more shifts it by less than about 0.3 e / periods^2.
 - ``period``: 2 pi / omega of that fit [s].
 - ``amplitude``: sqrt(A^2 + B^2) of that fit.
 - ``offset``: C of that fit: what an oscillation goes around, whether or not the window holds whole periods.

@@ -11,7 +11,7 @@ import numpy as np
 
 from warp_mps.elastic.material import pressure_wave_speed
 from warp_mps.energy import Energy
-from warp_mps.errors import RunError
+from warp_mps.errors import InputError, RunError
 from warp_mps.particles import Particles, fill_scene
 from warp_mps.scene import Scene
 
@@ -87,6 +87,8 @@ class Simulation:
         from warp_mps.core.kit import kit
         from warp_mps.elastic.solid import Solid, declare_kernels
 
+        if threads < 1:
+            raise InputError("", "threads", f"is {threads}, must be 1 or more")
         self.scene = scene
         self.precision = precision
         self.clock = Clock(scene)

@@ -9,7 +9,7 @@ import pytest
 
 from tests.core.rotors import rotors_of, turned
 from tests.elastic.states import Held, hold, random_state, rigid_displacement
-from tests.scenes import STEEL, block, elasticities, random, scene_of
+from tests.scenes import STEEL, block, cross, elasticities, random, scene_of
 from warp_mps.scene import Elasticity, Material, Scene
 from warp_mps.shapes import Box, Points
 
@@ -111,13 +111,6 @@ def test_a_rigid_motion_gives_no_load(dimension: int, elasticity: Elasticity) ->
         assert held.energy() < 1e-22 * energy
 
 
-def moments_of(arms: np.ndarray, forces: np.ndarray) -> np.ndarray:
-    """Moments about the origin, shape [n, 1] in 2-D and [n, 3] in 3-D."""
-    if arms.shape[1] == 3:
-        return np.cross(arms, forces)
-    return (arms[:, 0] * forces[:, 1] - arms[:, 1] * forces[:, 0])[:, None]
-
-
 @pytest.mark.parametrize("elasticity", elasticities(), ids=str)
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_loads_add_up_to_nothing(dimension: int, elasticity: Elasticity) -> None:
@@ -125,7 +118,7 @@ def test_loads_add_up_to_nothing(dimension: int, elasticity: Elasticity) -> None
     displacements, rotors = random_state(held.particles, size=0.3)
     forces, torques = held.put(displacements, rotors).loads()
     positions = held.particles.positions + displacements
-    moments = moments_of(positions, forces)
+    moments = cross(positions, forces)
     np.testing.assert_allclose(forces.sum(axis=0), 0.0, atol=1e-13 * np.abs(forces).sum())
     total = (moments + torques).sum(axis=0)
     np.testing.assert_allclose(total, 0.0, atol=1e-13 * np.abs(moments).sum())

@@ -15,6 +15,7 @@ from tyro.conf import OmitArgPrefixes, Positional, UseAppendAction, arg
 
 from warp_mps.errors import InputError, RunError
 
+PRECISIONS: tuple[Literal["float64", "float32"], ...] = ("float64", "float32")
 Case = Annotated[str, arg(metavar="CASE", help="Path of a stage, or the name of a shipped case (see list).")]
 Device = Annotated[str, arg(metavar="DEVICE", help="cpu, or a CUDA device such as cuda:0.")]
 Precision = Annotated[Literal["float64", "float32"], arg(help="Number type: float64 to trust, float32 for GPU speed.")]
@@ -96,13 +97,15 @@ def bench(
     ),
     *,
     device: Device = "cpu",
-    dimensions: Annotated[tuple[int, ...], arg(metavar="D", help="2, 3 or both.")] = (2, 3),
-    precisions: Annotated[tuple[str, ...], arg(metavar="P", help="float64, float32 or both.")] = ("float64", "float32"),
+    dimensions: Annotated[tuple[Literal[2, 3], ...], arg(help="Dimensions.")] = (2, 3),
+    precisions: Annotated[tuple[Literal["float64", "float32"], ...], arg(help="Number types.")] = PRECISIONS,
     threads: Threads = 1,
 ) -> int:
     """Measure the speed: particle-steps a second of an elastic block, and the share of each kernel."""
     from warp_mps.app.bench import bench_solid
 
+    if min(sizes, default=0) < 1:
+        raise InputError("--sizes", "", f"is {sizes}, must be whole numbers from 1 on")
     return bench_solid(sizes, dimensions=dimensions, precisions=precisions, device=device, threads=threads)
 
 
@@ -120,7 +123,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         return int(_dispatch(list(sys.argv[1:] if arguments is None else arguments)))
     except InputError as error:
-        return _fail(str(error), 2)
+        from warp_mps.usd.attributes import stage_error
+
+        # what a stage got wrong is named in the stage's words
+        return _fail(str(stage_error(error)), 2)
     except RunError as error:
         return _fail(str(error), 3)
     except KeyboardInterrupt:

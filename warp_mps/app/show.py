@@ -44,7 +44,9 @@ def show_check(scene: Scene) -> int:
     note = "" if clock.dt <= clock.dt_limit else f"  ABOVE THE LIMIT of {clock.dt_limit:.4g} s: will be unstable"
     table.add_row("time step", f"{cost.dt:.4g} s{note}")
     table.add_row("steps, frames", f"{cost.steps}, {cost.frames}")
-    table.add_row("memory", f"{_bytes(cost.memory)} of {_bytes(available_memory())} available")
+    available = available_memory()
+    note = "" if cost.memory <= available else "  TOO MUCH: will be refused"
+    table.add_row("memory", f"{_bytes(cost.memory)} of {_bytes(available)} available{note}")
     table.add_row("expected time on one CPU core", _duration(cost.seconds))
     console().print(table)
     return 0

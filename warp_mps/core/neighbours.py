@@ -92,7 +92,7 @@ def as_vec3(positions: np.ndarray) -> np.ndarray:
 
 def reference_neighbours(
     positions: np.ndarray, groups: np.ndarray, reach: np.ndarray, *, device: Any
-) -> tuple[np.ndarray, np.ndarray]:
+) -> tuple[wp.array, wp.array]:
     """All pairs of a reference configuration that are closer than their mean reach, as a list.
 
     The search runs in double precision whatever the run's: which particles are neighbours must not depend on it.
@@ -104,7 +104,10 @@ def reference_neighbours(
         device: Warp device on which the search runs.
 
     Returns:
-        `start`, shape [n + 1], and `index`, shape [start[n]].
+        `start`, shape [n + 1], and `index`, shape [start[n]], on the device.
+
+    Raises:
+        MemoryError: There are more pairs than an index of 32 bits can name.
     """
     numbers = kit(positions.shape[1], "float64")
     kernels = neighbour_kernels(numbers)
@@ -124,4 +127,4 @@ def reference_neighbours(
     index = wp.empty(int(start[-1]), dtype=wp.int32, device=device)
     starts = wp.array(start.astype(np.int32), dtype=wp.int32, device=device)
     wp.launch(kernels.fill, n, [grid.id, points, group, radii, cell, starts], [index], device=device)
-    return start.astype(np.int32), index.numpy()
+    return starts, index

@@ -1,7 +1,7 @@
 """Rotation of particles in 2-D and 3-D, the only algebra that differs between the two.
 
-A particle carries a rotor. In 3-D it is the unit quaternion (w, x, y, z). In 2-D it is (cos(theta/4), sin(theta/4)), the
-square root of the quaternion about the normal, because the product of two particles' rotors is then the quaternion
+A particle carries a rotor. In 3-D it is the unit quaternion (w, x, y, z). In 2-D it is (cos(theta/4), sin(theta/4)),
+the square root of the quaternion about the normal, because the product of two particles' rotors is then the quaternion
 (cos(theta_ij/2), sin(theta_ij/2)) of their mean rotation theta_ij = (theta_i + theta_j)/2, with no trigonometry in the
 pair loop. Rotations act as R X - X, formed from half angles so that small ones keep their digits in single precision.
 """
@@ -81,8 +81,9 @@ def _space_funcs(kit: Kit, method: str) -> SimpleNamespace:
     def torque_share(q_i: rotor, m: rotor, torque: spin) -> spin:
         """Torque on particle i when `torque` acts on the mean rotation m of i and j.
 
-        The mean rotation turns by (omega_i c + omega_i x v + ...)/(2 c), with (c, v) = q_i m^-1 of any length, when q_i turns by
-        omega_i: the share is the adjoint of that, so that energy is kept, and the two shares add up to the torque.
+        The mean rotation turns by (omega_i c + omega_i x v + ...)/(2 c), with (c, v) = q_i m^-1 of any length, when q_i
+        turns by omega_i: the share is the adjoint of that, so that energy is kept, and the two shares add up to the
+        torque.
         """
         p = vec(q_i[1], q_i[2], q_i[3])
         b = vec(m[1], m[2], m[3])

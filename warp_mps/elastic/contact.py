@@ -13,7 +13,7 @@ import warp as wp
 from warp_mps.core.kit import Kit
 
 METHOD = "elastic"
-# margin of the candidate list beyond the contact distance, in units of it
+# margin of the candidate list beyond the contact distance, in units of the smallest spacing
 SKIN = 0.35
 # a particle of a lattice surface meets few others; the list says so when this is not enough
 CANDIDATES = {2: 12, 3: 32}
@@ -57,6 +57,8 @@ def contact_kernels(kit: Kit) -> SimpleNamespace:
         # Model:
         grid: wp.uint64,
         reach: real,
+        margin: real,
+        spacing: wp.array(dtype=real),
         reference: wp.array(dtype=vec),
         group: wp.array(dtype=wp.int32),
         neighbour_radius: wp.array(dtype=real),
@@ -76,7 +78,7 @@ def contact_kernels(kit: Kit) -> SimpleNamespace:
         capacity = listed_out.shape[1]
         n = wp.int32(0)
         for j in wp.hash_grid_query(grid, points[i], reach):
-            near = j != i and wp.length(points[j] - points[i]) < reach
+            near = j != i and wp.length(points[j] - points[i]) < real(0.5) * (spacing[i] + spacing[j]) + margin
             if near and group[i] == group[j]:
                 bonded = wp.length(reference[j] - reference[i]) < wp.max(neighbour_radius[i], neighbour_radius[j])
                 near = within_group == 1 and not bonded

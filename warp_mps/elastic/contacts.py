@@ -25,9 +25,9 @@ class Contacts:
     def __init__(self, scene: Scene, particles: Particles, *, kit: Kit, device: Any) -> None:
         self._kernels, self._device = contact_kernels(kit), device
         n, d = particles.count, particles.dimension
-        largest = float(particles.spacings.max())
-        self._margin = SKIN * largest
-        self._reach = largest + self._margin
+        # of the smallest, or a coarse body would list more particles of a fine one than it has room for
+        self._margin = SKIN * float(particles.spacings.min())
+        self._reach = float(particles.spacings.max()) + self._margin
         self._within = int(scene.contact.between == "all")
         youngs = np.array([body.material.youngs_modulus for body in scene.bodies])[particles.bodies]
         radius = scene.elasticity.effective_radius * particles.spacings * REACH_TOLERANCE
@@ -81,7 +81,8 @@ class Contacts:
 
     def _list(self, state: ElasticState) -> None:
         self._grid.build(self._points, self._reach)
-        inputs = [self._grid.id, self._reach, self._reference, self._group, self._radius, self._within]
+        search = [self._grid.id, self._reach, self._margin, self._spacing]
+        inputs = [*search, self._reference, self._group, self._radius, self._within]
         outputs = [self._listed, self._count, self._u_listed, self._stale, self._overflow]
         n = len(state.u)
         wp.launch(self._kernels.candidates, n, [*inputs, self._points, state.u], outputs, device=self._device)

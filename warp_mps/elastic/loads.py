@@ -33,14 +33,21 @@ def load_kernels(kit: Kit) -> SimpleNamespace:
         phase: wp.float64,
         times: wp.array(dtype=wp.float64),
         table: wp.array(dtype=vec),
+        mass: wp.array(dtype=real),
         steps: wp.array(dtype=wp.int32),
         # State out:
         u: wp.array(dtype=vec),
         v: wp.array(dtype=vec),
         acceleration_out: wp.array(dtype=vec),
+        # State in and out:
+        work: wp.array(dtype=wp.float64),
     ):
-        """Place the particles of a moving support: harmonic where f > 0, else by the table (linear between rows)."""
-        i = particles[wp.tid()]
+        """Place the particles of a moving support: harmonic where f > 0, else by the table (linear between rows).
+
+        What their kinetic energy changes by is work of the support, also where a table makes the velocity jump.
+        """
+        n = wp.tid()
+        i = particles[n]
         t = wp.float64(steps[0]) * dt
         place = vec()
         speed = vec()
@@ -61,14 +68,21 @@ def load_kernels(kit: Kit) -> SimpleNamespace:
         u_i = u[i]
         v_i = v[i]
         a_i = acceleration_out[i]
+        gain = wp.float64(0.0)
         for axis in range(wp.static(kit.dimension)):
             if axes[axis] > real(0.0):
+                gain += wp.float64(speed[axis]) * wp.float64(speed[axis]) - wp.float64(v_i[axis]) * wp.float64(
+                    v_i[axis]
+                )
                 u_i[axis] = place[axis]
                 v_i[axis] = speed[axis]
                 a_i[axis] = acceleration[axis]
         u[i] = u_i
         v[i] = v_i
         acceleration_out[i] = a_i
+        # the motion that a run starts with is given, not worked for
+        if steps[0] > 0:
+            work[n] = work[n] + wp.float64(0.5) * wp.float64(mass[i]) * gain
 
     @kit.kernel(METHOD)
     def drive_work(
@@ -76,20 +90,17 @@ def load_kernels(kit: Kit) -> SimpleNamespace:
         particles: wp.array(dtype=wp.int32),
         axes: vec,
         dt: real,
-        mass: wp.array(dtype=real),
         # State in:
         v: wp.array(dtype=vec),
         force: wp.array(dtype=vec),
-        acceleration: wp.array(dtype=vec),
         # State in and out:
         power: wp.array(dtype=real),
         work: wp.array(dtype=wp.float64),
     ):
-        """Work of a moving support: its force m a - f on each particle, times the velocity it prescribes."""
+        """Work of a moving support against all other forces on its particles, besides what `drive` adds."""
         k = wp.tid()
         i = particles[k]
-        support_force = mass[i] * acceleration[i] - force[i]
-        new = wp.dot(wp.cw_mul(axes, support_force), v[i])
+        new = -wp.dot(wp.cw_mul(axes, force[i]), v[i])
         work[k] = work[k] + wp.float64(real(0.5) * dt * (power[k] + new))
         power[k] = new
 

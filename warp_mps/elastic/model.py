@@ -7,7 +7,7 @@ import warp as wp
 
 from warp_mps.core.kit import Kit
 from warp_mps.core.neighbours import reference_neighbours
-from warp_mps.core.weights import lattice_number_density, weight
+from warp_mps.core.weights import lattice_number_density
 from warp_mps.elastic.material import lame_constants
 from warp_mps.elastic.springs import spring_kernels
 from warp_mps.elastic.state import ElasticState
@@ -31,29 +31,31 @@ class SpringModel:
     def __init__(self, scene: Scene, particles: Particles, *, kit: Kit, device: Any) -> None:
         self.kernels = spring_kernels(kit)
         self.device = device
-        d = particles.dimension
-        radius = scene.elasticity.effective_radius * particles.spacings
-        start, index = reference_neighbours(particles.positions, particles.groups, radius, device=device)
-        i = np.repeat(np.arange(particles.count), np.diff(start))
-        bond = particles.positions[index] - particles.positions[i]
-        length = np.linalg.norm(bond, axis=1)
-        w = weight(length, radius[i])
-        n = np.full(particles.count, lattice_number_density(d, scene.elasticity.effective_radius))
-        if scene.elasticity.normalization == "particle":
-            n = np.maximum(np.bincount(i, w, particles.count), 1e-12)
+        d, n, radius = particles.dimension, particles.count, scene.elasticity.effective_radius
+        reach = radius * particles.spacings
+        self.start, self.index = reference_neighbours(particles.positions, particles.groups, reach, device=device)
         lame = np.array([lame_constants(body.material, d, scene.plane) for body in scene.bodies])[particles.bodies]
-        volume = particles.spacings**d
-        # springs of two materials in series: the harmonic mean
-        mu = 2.0 / (1.0 / lame[i, 1] + 1.0 / lame[index, 1])
-        stiffness = volume[i] * 4.0 * d * mu * w / length**2 * 0.5 * (1.0 / n[i] + 1.0 / n[index])
-        self.number_density = n
-        self.volume = volume
-        self.start = wp.array(start, dtype=wp.int32, device=device)
-        self.index = wp.array(index, dtype=wp.int32, device=device)
-        self.bond = wp.array(bond, dtype=kit.vec, device=device)
-        self.area = wp.array(d * w / length, dtype=kit.real, device=device)
-        self.stiffness = wp.array(stiffness, dtype=kit.real, device=device)
-        self.bulk = wp.array(volume * lame[:, 0] / n**2, dtype=kit.real, device=device)
+        self.volume = particles.spacings**d
+
+        def double(values: np.ndarray) -> wp.array:
+            return wp.array(values, dtype=wp.float64, device=device)
+
+        vec64 = wp.types.vector(length=d, dtype=wp.float64)
+        reference = wp.array(particles.positions, dtype=vec64, device=device)
+        places = [self.start, self.index, reference, double(reach)]
+        density = double(np.full(n, lattice_number_density(d, radius)))
+        if scene.elasticity.normalization == "particle":
+            wp.launch(self.kernels.number_density, n, places, [density], device=device)
+        # a particle without neighbours has no force to normalize
+        self.number_density = np.maximum(density.numpy(), 1e-12)
+        pairs = len(self.index)
+        self.bond = wp.empty(pairs, dtype=kit.vec, device=device)
+        self.area = wp.empty(pairs, dtype=kit.real, device=device)
+        self.stiffness = wp.empty(pairs, dtype=kit.real, device=device)
+        inputs = [*places, double(self.volume), double(lame[:, 1]), double(1.0 / self.number_density)]
+        wp.launch(self.kernels.bonds, n, inputs, [self.bond, self.area, self.stiffness], device=device)
+        bulk = self.volume * lame[:, 0] / self.number_density**2
+        self.bulk = wp.array(bulk, dtype=kit.real, device=device)
 
     def launch_pressure(self, state: ElasticState, first: int, count: int) -> None:
         """Volume change of `count` particles from `first` on."""

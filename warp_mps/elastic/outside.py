@@ -50,12 +50,12 @@ class Outside:
         """Whether anything here depends on time or does work."""
         return bool(self._driven or self._pushed)
 
-    def drive(self, state: ElasticState) -> None:
+    def drive(self, state: ElasticState, mass: wp.array) -> None:
         """Place the particles of the moving supports."""
         for agent in self._driven:
             axes, motion = agent.numbers[0], agent.numbers[1:]
-            inputs = [agent.particles, axes, self._dt, *motion, self.steps]
-            self._launch(self._kernels.drive, agent, inputs, [state.u, state.v, state.driven])
+            inputs = [agent.particles, axes, self._dt, *motion, mass, self.steps]
+            self._launch(self._kernels.drive, agent, inputs, [state.u, state.v, state.driven, agent.work])
 
     def push(self, state: ElasticState, mass: wp.array) -> None:
         """Add the forces of the loads."""
@@ -66,7 +66,7 @@ class Outside:
     def account(self, state: ElasticState, mass: wp.array, dt: float) -> None:
         """Add the work of a step; with dt = 0 only note the power, which the next step needs."""
         for agent in self._driven:
-            inputs = [agent.particles, agent.numbers[0], dt, mass, state.v, state.force, state.driven]
+            inputs = [agent.particles, agent.numbers[0], dt, state.v, state.force]
             self._launch(self._kernels.drive_work, agent, inputs, [agent.power, agent.work])
         for agent in self._pushed:
             # the load's value needs the time, so this kernel takes the true time step as well

@@ -87,7 +87,7 @@ class Solid:
 
     def start(self) -> None:
         """Evaluate the forces of the initial state, which the first step begins with."""
-        self.outside.drive(self.state)
+        self.outside.drive(self.state, self._mass)
         if self.contacts:
             self.contacts.renew(self.state)
         self.model.launch_pressure(self.state, 0, self._n)
@@ -128,10 +128,12 @@ class Solid:
         if self.outside.moving:
             phases.append(Phase("push", lambda *_: self.outside.push(state, self._mass)))
         phases.append(Phase("kick", functools.partial(self._kick, self._dt), splits=True, follows=True))
-        if self.outside.moving:
-            phases.append(Phase("work", lambda *_: self.outside.account(state, self._mass, self._dt)))
         damp = [Phase("damp", lambda *_: self._damp())] if self._damping else []
-        return [*damp, *phases, *damp]
+        phases = [*damp, *phases, *damp]
+        if self.outside.moving:
+            # after the damping, for a step's work is that of the velocities at its two ends
+            phases.append(Phase("work", lambda *_: self.outside.account(state, self._mass, self._dt)))
+        return phases
 
     def energy(self) -> Energy:
         """Energies of the present state."""
@@ -183,7 +185,7 @@ class Solid:
 
     def _drive(self) -> None:
         wp.launch(self._motion.tick, 1, [self.outside.steps], device=self._device)
-        self.outside.drive(self.state)
+        self.outside.drive(self.state, self._mass)
 
     def _kick(self, dt: float, first: int, count: int) -> None:
         state = self.state

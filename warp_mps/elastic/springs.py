@@ -62,7 +62,7 @@ def spring_funcs(kit: Kit) -> SimpleNamespace:
 
 @functools.cache
 def spring_kernels(kit: Kit) -> SimpleNamespace:
-    """Kernels `pressure`, `force` and `energy` of the model.
+    """Kernels `number_density`, `bonds`, `pressure`, `force` and `energy` of the model.
 
     `first` shifts the particle index, so that several threads can share the particles.
     """
@@ -70,6 +70,60 @@ def spring_kernels(kit: Kit) -> SimpleNamespace:
     turns, pair = rotation_funcs(kit, METHOD), spring_funcs(kit)
     mean_rotor, torque_share, turn = turns.mean_rotor, turns.torque_share, turns.turn
     stretch, pair_force, pair_torque = pair.stretch, pair.pair_force, pair.pair_torque
+
+    # the constants of a pair are formed in double precision whatever the run's: X_ij is a small difference
+    vec64 = wp.types.vector(length=kit.dimension, dtype=wp.float64)
+
+    @kit.func(METHOD)
+    def weight(r: wp.float64, r_e: wp.float64) -> wp.float64:
+        """w(r) = r_e / r - 1 for r < r_e (eq. 5)."""
+        return wp.max(r_e / r - wp.float64(1.0), wp.float64(0.0))
+
+    @kit.kernel(METHOD)
+    def number_density(
+        # Model:
+        start: wp.array(dtype=wp.int32),
+        index: wp.array(dtype=wp.int32),
+        reference: wp.array(dtype=vec64),
+        radius: wp.array(dtype=wp.float64),
+        # Model out:
+        density_out: wp.array(dtype=wp.float64),
+    ):
+        """n_i = sum_j w_ij (eq. 8)."""
+        i = wp.tid()
+        n = wp.float64(0.0)
+        for k in range(start[i], start[i + 1]):
+            n += weight(wp.length(reference[index[k]] - reference[i]), radius[i])
+        density_out[i] = n
+
+    @kit.kernel(METHOD)
+    def bonds(
+        # Model:
+        start: wp.array(dtype=wp.int32),
+        index: wp.array(dtype=wp.int32),
+        reference: wp.array(dtype=vec64),
+        radius: wp.array(dtype=wp.float64),
+        volume: wp.array(dtype=wp.float64),
+        mu: wp.array(dtype=wp.float64),
+        inverse_density: wp.array(dtype=wp.float64),
+        # Model out:
+        bond_out: wp.array(dtype=vec),
+        area_out: wp.array(dtype=real),
+        stiffness_out: wp.array(dtype=real),
+    ):
+        """X_ij, d w_ij/|X_ij| and k_ij of every pair; springs of two materials in series have their harmonic mean."""
+        i = wp.tid()
+        d = wp.float64(wp.static(float(kit.dimension)))
+        for k in range(start[i], start[i + 1]):
+            j = index[k]
+            x = reference[j] - reference[i]
+            r = wp.length(x)
+            w = weight(r, radius[i])
+            mean_mu = wp.float64(2.0) / (wp.float64(1.0) / mu[i] + wp.float64(1.0) / mu[j])
+            mean_inverse = wp.float64(0.5) * (inverse_density[i] + inverse_density[j])
+            bond_out[k] = vec(x)
+            area_out[k] = real(d * w / r)
+            stiffness_out[k] = real(volume[i] * wp.float64(4.0) * d * mean_mu * w / (r * r) * mean_inverse)
 
     @kit.kernel(METHOD)
     def pressure(
@@ -157,4 +211,4 @@ def spring_kernels(kit: Kit) -> SimpleNamespace:
             div += area[k] * stretch(m, bond[k], du)
         energy_out[i] = springs + real(0.5) * bulk[i] * div * div
 
-    return SimpleNamespace(pressure=pressure, force=force, energy=energy)
+    return SimpleNamespace(number_density=number_density, bonds=bonds, pressure=pressure, force=force, energy=energy)

@@ -1,0 +1,155 @@
+"""The commands: what they print and leave behind."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tests.usd.stages import write
+from warp_mps.app.cli import main
+from warp_mps.catalogue import shipped_cases
+from warp_mps.history import read_history
+
+SHAKEN = {"Beam": ("double3 mps:velocity = (1, 0, 0)",), "Tip": ("Xform", 'token mps:role = "probe"')}
+
+WAVE = (
+    'token mps:velocityField = "sine"',
+    "double3 mps:velocityField:amplitude = (0, 1, 0)",
+    "double3 mps:velocityField:axis = (1, 0, 0)",
+    "double3 mps:velocityField:origin = (0, 0, 0)",
+    "double mps:velocityField:length = 1",
+)
+
+
+def test_help_imports_nothing_heavy() -> None:
+    code = (
+        "import sys; from warp_mps.app.cli import main\n"
+        "try: main(['--help'])\n"
+        "except SystemExit: pass\n"
+        "print([m for m in ('warp', 'pxr', 'matplotlib', 'numpy') if m in sys.modules], file=sys.stderr)"
+    )
+    result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert result.stderr.strip() == "[]"
+    for command in ("list", "check", "run", "validate", "bench"):
+        assert command in result.stdout
+
+
+def test_list_names_every_shipped_case(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["list"]) == 0
+    lines = capsys.readouterr().out.splitlines()[1:]
+    assert [line.split()[0] for line in lines] == list(shipped_cases())
+    assert all(len(line.split()) > 3 for line in lines), "every case says what it is"
+
+
+def test_check_says_what_a_run_takes(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["check", str(write(tmp_path)), "--set", "/Beam.mps:spacing=0.05"]) == 0
+    text = capsys.readouterr().out
+    assert "particles of Beam" in text
+    assert "400" in text
+    assert "steps, frames" in text
+    assert main(["check", str(write(tmp_path)), "--set", "/Scene.mps:timeStep=1"]) == 0
+    assert "ABOVE THE LIMIT" in capsys.readouterr().out
+
+
+def test_run_leaves_its_results(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    out = tmp_path / "out"
+    stage = str(write(tmp_path, Scene=("double mps:duration = 1e-3", "double mps:frameRate = 5000"), **SHAKEN))
+    assert main(["run", stage, "--out", str(out)]) == 0
+    captured = capsys.readouterr()
+    assert f"results in {out}" in captured.out
+    assert "done" in captured.err
+    assert sorted(path.name for path in out.iterdir()) == ["checkpoint.npz", "probes.csv", "run.json", "run.usdc"]
+    summary = json.loads((out / "run.json").read_text())
+    assert summary["status"] == "done"
+    assert summary["particles"] == {"Beam": 100}
+    assert summary["time"] == pytest.approx(1e-3)
+    history = read_history(out / "probes.csv")
+    assert history.times == pytest.approx(np.arange(6) * 2e-4)
+    assert history.probe("Tip") == pytest.approx(history.times)
+
+
+def test_resume_continues_to_the_same_rows_and_frames(tmp_path: Path) -> None:
+    scene = ("double mps:duration = 1e-3", "double mps:frameRate = 5000")
+    stage = str(write(tmp_path, Scene=scene, Beam=WAVE, Tip=SHAKEN["Tip"]))
+    whole, parts = tmp_path / "whole", tmp_path / "parts"
+    assert main(["run", stage, "--out", str(whole), "--quiet"]) == 0
+    assert main(["run", stage, "--out", str(parts), "--quiet", "--duration", "6e-4"]) == 0
+    assert main(["run", stage, "--out", str(parts), "--quiet", "--resume"]) == 0
+    assert (whole / "probes.csv").read_text() == (parts / "probes.csv").read_text()
+    assert frames(whole).keys() == frames(parts).keys()
+    for code, points in frames(whole).items():
+        assert np.array_equal(points, frames(parts)[code])
+
+
+def frames(folder: Path) -> dict[float, np.ndarray]:
+    """Points of every frame of a result, by time code."""
+    from pxr import Usd
+
+    stage = Usd.Stage.Open(str(folder / "run.usdc"))
+    points = stage.GetPrimAtPath("/Result/Beam").GetAttribute("points")
+    return {code: np.array(points.Get(code)) for code in points.GetTimeSamples()}
+
+
+def test_a_run_that_becomes_unstable_stops_and_keeps_what_was_good(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "out"
+    scene = ("double mps:duration = 1", "double mps:frameRate = 20000", "double mps:timeStep = 2e-5")
+    stage = write(tmp_path, Scene=scene, Beam=WAVE)
+    assert main(["run", str(stage), "--out", str(out), "--quiet"]) == 3
+    line = capsys.readouterr().err
+    assert line.count("\n") == 1
+    assert "particle" in line
+    assert "time step" in line
+    summary = json.loads((out / "run.json").read_text())
+    assert summary["status"] == "failed"
+    assert summary["reason"] in line
+    assert all(np.abs(points).max() < 1.0 for points in frames(out).values())
+    assert (out / "checkpoint.npz").exists()
+
+
+def test_an_interrupt_ends_cleanly(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    scene = ("double mps:duration = 1000", "double mps:frameRate = 1000")
+    arguments = [sys.executable, "-m", "warp_mps", "run", str(write(tmp_path, Scene=scene, **SHAKEN))]
+    process = subprocess.Popen([*arguments, "--out", str(out)], stderr=subprocess.PIPE, text=True)
+    deadline = time.monotonic() + 120.0
+    while not (out / "probes.csv").exists() or len((out / "probes.csv").read_text().splitlines()) < 4:
+        assert time.monotonic() < deadline
+        assert process.poll() is None
+        time.sleep(0.05)
+    os.kill(process.pid, signal.SIGINT)
+    _, errors = process.communicate(timeout=60)
+    assert process.returncode == 130
+    assert "interrupted; what was computed is kept" in errors.splitlines()[-1]
+    assert "Traceback" not in errors
+    summary = json.loads((out / "run.json").read_text())
+    assert summary["status"] == "failed"
+    assert summary["reason"].startswith("interrupted")
+    assert (out / "checkpoint.npz").exists()
+    assert read_history(out / "probes.csv").last_time > 0.0
+
+
+def test_bench_prints_speeds_and_shares(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["bench", "--sizes", "100", "--dimensions", "2", "--precisions", "float64"]) == 0
+    text = capsys.readouterr().out
+    assert "particle-step" in text
+    assert "pressure" in text
+    assert "force" in text
+
+
+def test_validate_prints_measured_beside_reference(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["validate", "beam_second_mode_as_published"]) == 0
+    captured = capsys.readouterr()
+    line = next(line for line in captured.out.splitlines() if "frequency" in line)
+    assert "744" in line
+    assert "table 3" in line
+    assert "-0.7" in line

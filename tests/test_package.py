@@ -1,0 +1,32 @@
+"""The package as a whole: its public names and the README's first simulation."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+import warp_mps
+
+README = Path(__file__).resolve().parent.parent / "README.md"
+
+
+@pytest.mark.parametrize("name", warp_mps.__all__)
+def test_every_public_name_leads_to_something_documented(name: str) -> None:
+    assert getattr(warp_mps, name).__doc__
+
+
+def test_what_is_not_public_is_an_attribute_error() -> None:
+    with pytest.raises(AttributeError, match="no attribute 'nothing'"):
+        _ = warp_mps.nothing
+
+
+def test_the_first_simulation_of_the_readme_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (code,) = re.findall(r"```python\n(.*?)```", README.read_text(encoding="utf-8"), re.DOTALL)
+    assert len([line for line in code.splitlines() if line.strip()]) <= 9
+    monkeypatch.chdir(tmp_path)
+    scope: dict = {}
+    exec(code, scope)
+    assert scope["summary"].status == "done"
+    assert Path("runs/cantilever/run.usdc").exists()

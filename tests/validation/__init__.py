@@ -1,0 +1,1 @@
+"""Runs compared with answers known from outside; the tolerances stand beside the figures."""
