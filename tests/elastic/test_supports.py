@@ -15,7 +15,7 @@ EVERYTHING = Box((1.0, 1.0))
 GRIP = ends(0.011)[0]  # the beam's first 2 columns of particles, at 2 layers the first one
 SWING = HarmonicMotion(amplitude=(0.0, 0.002), frequency=10.0, phase=0.3)
 TABLE = TableMotion(
-    times=np.array([0.01, 0.03, 0.05]), displacements=np.array([[0.0, 0.001], [0.002, 0.01], [0.002, -0.005]])
+    times=np.array([0.01, 0.03, 0.05]), displacements=np.array([[0.0, 0.0], [0.002, 0.01], [0.002, -0.005]])
 )
 
 
@@ -58,7 +58,7 @@ def test_a_moving_support_follows_its_motion_at_every_step(motion, formula, prec
 
 @pytest.mark.parametrize("motion", [SWING, TABLE], ids=["harmonic", "table"])
 def test_work_of_a_moving_support_balances_the_energy(motion: HarmonicMotion | TableMotion) -> None:
-    """The error falls with the step: by 4 for a smooth motion, and by 2 where the velocity jumps."""
+    """The error is of second order in the step, also where a table makes the velocity jump."""
 
     def error(steps: int) -> float:
         simulation = Simulation(shaken(motion, time_step=0.06 / steps))
@@ -66,13 +66,13 @@ def test_work_of_a_moving_support_balances_the_energy(motion: HarmonicMotion | T
         for _ in range(60):
             simulation.advance(steps // 60)
             errors.append(simulation.energy.balance - start)
-        assert simulation.energy.work > 0.1
+        assert simulation.energy.work > 0.05
         return float(np.abs(errors).max() / simulation.energy.work)
 
     errors = np.array([error(steps) for steps in (3000, 6000, 12000)])
     print(f"relative errors of the balance: {errors}")
-    assert (errors[:-1] / errors[1:] > (3.8 if motion is SWING else 1.8)).all()
-    assert errors[-1] < (1e-5 if motion is SWING else 1e-2)
+    assert (errors[:-1] / errors[1:] > 3.5).all()
+    assert errors[-1] < 1e-5
 
 
 @pytest.mark.parametrize("dimension", [2, 3])
@@ -105,7 +105,7 @@ def test_reactions_carry_the_weight() -> None:
     np.testing.assert_allclose(simulation.reactions.sum(axis=0), [0.0, weight], atol=1e-6 * weight)
     free = np.abs(simulation.reactions).max(axis=1) == 0.0
     np.testing.assert_array_equal(free, simulation.particles.positions[:, 1] > -0.01)
-    np.testing.assert_allclose(simulation.internal_forces[free].sum(axis=0), [0.0, 0.75e-3 * 1000 * 9.81 * 1.0666667], rtol=1e-6)
+    np.testing.assert_allclose(simulation.internal_forces[free].sum(axis=0), [0.0, 8 / 12 * weight], atol=1e-6 * weight)
 
 
 @pytest.mark.parametrize(

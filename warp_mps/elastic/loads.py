@@ -35,16 +35,19 @@ def load_kernels(kit: Kit) -> SimpleNamespace:
         table: wp.array(dtype=vec),
         mass: wp.array(dtype=real),
         steps: wp.array(dtype=wp.int32),
-        # State out:
+        # State in:
+        force: wp.array(dtype=vec),
+        # State in and out:
         u: wp.array(dtype=vec),
         v: wp.array(dtype=vec),
         acceleration_out: wp.array(dtype=vec),
-        # State in and out:
+        move_out: wp.array(dtype=vec),
         work: wp.array(dtype=wp.float64),
     ):
         """Place the particles of a moving support: harmonic where f > 0, else by the table (linear between rows).
 
-        What their kinetic energy changes by is work of the support, also where a table makes the velocity jump.
+        The support's work is the gain of kinetic energy, less the work of all other forces: half of the move times the
+        last step's force here, the other half in `drive_work`. So it holds where a table makes the velocity jump.
         """
         n = wp.tid()
         i = particles[n]
@@ -68,12 +71,15 @@ def load_kernels(kit: Kit) -> SimpleNamespace:
         u_i = u[i]
         v_i = v[i]
         a_i = acceleration_out[i]
+        move = vec()
         gain = wp.float64(0.0)
         for axis in range(wp.static(kit.dimension)):
             if axes[axis] > real(0.0):
-                gain += wp.float64(speed[axis]) * wp.float64(speed[axis]) - wp.float64(v_i[axis]) * wp.float64(
-                    v_i[axis]
-                )
+                new = wp.float64(speed[axis])
+                old = wp.float64(v_i[axis])
+                gain += new * new - old * old
+                # the drift has moved it on by the last velocity
+                move[axis] = place[axis] - (u_i[axis] - real(dt) * v_i[axis])
                 u_i[axis] = place[axis]
                 v_i[axis] = speed[axis]
                 a_i[axis] = acceleration[axis]
@@ -82,27 +88,23 @@ def load_kernels(kit: Kit) -> SimpleNamespace:
         acceleration_out[i] = a_i
         # the motion that a run starts with is given, not worked for
         if steps[0] > 0:
-            work[n] = work[n] + wp.float64(0.5) * wp.float64(mass[i]) * gain
+            move_out[n] = move
+            gained = wp.float64(0.5) * wp.float64(mass[i]) * gain
+            work[n] = work[n] + gained - wp.float64(0.5) * wp.float64(wp.dot(force[i], move))
 
     @kit.kernel(METHOD)
     def drive_work(
         # Model:
         particles: wp.array(dtype=wp.int32),
-        axes: vec,
-        dt: real,
         # State in:
-        v: wp.array(dtype=vec),
         force: wp.array(dtype=vec),
+        move: wp.array(dtype=vec),
         # State in and out:
-        power: wp.array(dtype=real),
         work: wp.array(dtype=wp.float64),
     ):
-        """Work of a moving support against all other forces on its particles, besides what `drive` adds."""
+        """Work of a moving support against the new forces over the second half of its move."""
         k = wp.tid()
-        i = particles[k]
-        new = -wp.dot(wp.cw_mul(axes, force[i]), v[i])
-        work[k] = work[k] + wp.float64(real(0.5) * dt * (power[k] + new))
-        power[k] = new
+        work[k] = work[k] - wp.float64(0.5) * wp.float64(wp.dot(force[particles[k]], move[k]))
 
     @kit.kernel(METHOD)
     def push(

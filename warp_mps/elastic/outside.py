@@ -17,11 +17,18 @@ from warp_mps.scene import HarmonicMotion, Load, Scene, Support, TableMotion
 
 @dataclass(kw_only=True)
 class _Agent:
-    """A moving support or a load on the device: its particles, its own numbers, and its work so far."""
+    """A moving support or a load on the device.
+
+    Attributes:
+        particles: Its particles.
+        numbers: Its own arguments of the kernels.
+        last: Of the last step, for each particle: the move of a support [m], the power of a load [W].
+        work: Its work so far on each particle [J].
+    """
 
     particles: wp.array
     numbers: list[Any]
-    power: wp.array
+    last: wp.array
     work: wp.array
 
 
@@ -54,8 +61,9 @@ class Outside:
         """Place the particles of the moving supports."""
         for agent in self._driven:
             axes, motion = agent.numbers[0], agent.numbers[1:]
-            inputs = [agent.particles, axes, self._dt, *motion, mass, self.steps]
-            self._launch(self._kernels.drive, agent, inputs, [state.u, state.v, state.driven, agent.work])
+            inputs = [agent.particles, axes, self._dt, *motion, mass, self.steps, state.force]
+            outputs = [state.u, state.v, state.driven, agent.last, agent.work]
+            self._launch(self._kernels.drive, agent, inputs, outputs)
 
     def push(self, state: ElasticState, mass: wp.array) -> None:
         """Add the forces of the loads."""
@@ -66,12 +74,11 @@ class Outside:
     def account(self, state: ElasticState, mass: wp.array, dt: float) -> None:
         """Add the work of a step; with dt = 0 only note the power, which the next step needs."""
         for agent in self._driven:
-            inputs = [agent.particles, agent.numbers[0], dt, state.v, state.force]
-            self._launch(self._kernels.drive_work, agent, inputs, [agent.power, agent.work])
+            self._launch(self._kernels.drive_work, agent, [agent.particles, state.force, agent.last], [agent.work])
         for agent in self._pushed:
             # the load's value needs the time, so this kernel takes the true time step as well
             inputs = [agent.particles, self._dt, dt, *agent.numbers, mass, self.steps, state.v]
-            self._launch(self._kernels.push_work, agent, inputs, [agent.power, agent.work])
+            self._launch(self._kernels.push_work, agent, inputs, [agent.last, agent.work])
 
     def loads(self, masses: np.ndarray) -> np.ndarray:
         """Present forces of the loads [N], shape [n, d]."""
@@ -92,7 +99,7 @@ class Outside:
         """What evolves here, for a checkpoint."""
         arrays = {"steps": self.steps.numpy().copy()}
         for k, agent in enumerate(self._agents()):
-            arrays[f"power_{k}"] = agent.power.numpy().copy()
+            arrays[f"last_{k}"] = agent.last.numpy().copy()
             arrays[f"work_{k}"] = agent.work.numpy().copy()
         return arrays
 
@@ -100,7 +107,7 @@ class Outside:
         """Take over arrays that `arrays` gave."""
         self.steps.assign(arrays["steps"])
         for k, agent in enumerate(self._agents()):
-            agent.power.assign(arrays[f"power_{k}"])
+            agent.last.assign(arrays[f"last_{k}"])
             agent.work.assign(arrays[f"work_{k}"])
 
     def _agents(self) -> list[_Agent]:
@@ -119,7 +126,7 @@ class Outside:
         driven[np.ix_(found, axes)] = True
         mask = np.zeros(particles.dimension)
         mask[axes] = 1.0
-        self._driven.append(self._agent(found, [self._kit.vec(*mask), *self._motion(support.motion)]))
+        self._driven.append(self._agent(found, [self._kit.vec(*mask), *self._motion(support.motion)], self._kit.vec))
 
     def _motion(self, motion: HarmonicMotion | TableMotion) -> list[Any]:
         """Arguments of the `drive` kernel: amplitude, frequency, phase, times and table."""
@@ -144,13 +151,13 @@ class Outside:
             acceleration += load.acceleration
         if load.force is not None:
             acceleration += np.asarray(load.force, float) / particles.masses[found].sum()
-        return self._agent(found, [self._kit.vec(*acceleration), load.frequency, load.phase])
+        return self._agent(found, [self._kit.vec(*acceleration), load.frequency, load.phase], self._kit.real)
 
-    def _agent(self, found: np.ndarray, numbers: list[Any]) -> _Agent:
+    def _agent(self, found: np.ndarray, numbers: list[Any], kind: Any) -> _Agent:
         return _Agent(
             particles=wp.array(found, dtype=wp.int32, device=self._device),
             numbers=numbers,
-            power=wp.zeros(len(found), dtype=self._kit.real, device=self._device),
+            last=wp.zeros(len(found), dtype=kind, device=self._device),
             work=wp.zeros(len(found), dtype=wp.float64, device=self._device),
         )
 
