@@ -18,7 +18,7 @@ def test_a_name_and_a_path_lead_to_the_same_stage() -> None:
 
 @pytest.mark.parametrize("case", ["none", "none.usda", "folder/none"])
 def test_what_leads_nowhere(case: str) -> None:
-    with pytest.raises(InputError, match="no such file|neither a file nor a shipped case"):
+    with pytest.raises(InputError, match=r"no such file|neither a file nor a shipped case"):
         find_case(case)
 
 

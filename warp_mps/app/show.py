@@ -17,6 +17,7 @@ from warp_mps.scene import Scene
 from warp_mps.simulation import Clock
 
 WIDE = 200
+ROOM_FOR_SOURCES = 130
 
 
 def show_cases() -> int:
@@ -64,22 +65,32 @@ def show_summary(summary: RunSummary, folder: Path) -> None:
         soft_wrap=True,
     )
     if summary.measurements:
-        out.print(measurement_table([(summary.case, row) for row in summary.measurements]))
+        show_measurements([(summary.case, row) for row in summary.measurements])
     out.print(f"results in {folder}", highlight=False, soft_wrap=True)
 
 
-def measurement_table(rows: Sequence[tuple[str, dict[str, Any]]]) -> Table:
-    """A table of measurements: case, name, measured, reference, error, source."""
-    table = _table("case", "result", "measured", "reference", "error", "source")
+def show_measurements(rows: Sequence[tuple[str, dict[str, Any]]]) -> None:
+    """Print measurements beside their references: case, result, measured, reference, error, source.
+
+    Where the terminal is too narrow for the sources they stand below, by number.
+    """
+    out = console()
+    sources = list(dict.fromkeys(row["source"] for _, row in rows if row["source"]))
+    beside = out.width >= ROOM_FOR_SOURCES
+    table = _table("case", "result", "measured", "reference", "error", *(["source"] * beside))
     last = ""
     for case, row in rows:
         reference = "" if row["reference"] is None else f"{row['reference']:.5g}"
+        if not beside and row["source"]:
+            reference += f" ({sources.index(row['source']) + 1})"
         measured = row.get("reason", "none") if row["value"] is None else f"{row['value']:.5g} {row['unit']}"
-        table.add_row(
-            "" if case == last else case, row["name"], measured, reference, _percent(row["error"]), row["source"]
-        )
+        cells = [measured, reference, _percent(row["error"]), *([row["source"]] * beside)]
+        table.add_row("" if case == last else case, row["name"], *cells)
         last = case
-    return table
+    out.print(table, highlight=False, markup=False)
+    if not beside:
+        for number, source in enumerate(sources, start=1):
+            out.print(f"({number}) {source}", highlight=False, markup=False)
 
 
 def console() -> Console:

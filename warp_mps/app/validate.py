@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from warp_mps.app.show import console, measurement_table
+from warp_mps.app.show import show_measurements
 from warp_mps.catalogue import find_case, shipped_cases
 from warp_mps.errors import RunError
 from warp_mps.runs import run_scene
@@ -33,7 +33,7 @@ def validate_cases(cases: Sequence[str], *, out: Path | None, device: str, preci
     paths = [find_case(case) for case in cases or shipped_cases()]
     with tempfile.TemporaryDirectory(prefix="warp-mps-") as scratch:
         outcomes = [_run(path, out or Path(scratch), device, precision) for path in paths]
-    console().print(measurement_table([row for rows, _ in outcomes for row in rows]))
+    show_measurements([row for rows, _ in outcomes for row in rows])
     return 0 if all(good for _, good in outcomes) else 3
 
 
