@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -56,7 +56,7 @@ def _scene_numbers(scene: Scene) -> None:
     _positive(scene.duration, where, "duration")
     _positive(scene.frame_rate, where, "frame_rate")
     _positive(scene.courant, where, "courant")
-    _range(scene.elasticity.effective_radius, 1.0, 5.0, where, "effective_radius")
+    _range(scene.elasticity.effective_radius, 1.1, 5.0, where, "effective_radius")
     _range(scene.damping, 0.0, math.inf, where, "damping")
     if scene.sample_rate is not None:
         _positive(scene.sample_rate, where, "sample_rate")
@@ -67,7 +67,13 @@ def _scene_numbers(scene: Scene) -> None:
 
 
 def _unique(scene: Scene) -> None:
-    for kind, items in (("body", scene.bodies), ("support", scene.supports), ("probe", scene.probes)):
+    groups: dict[str, Sequence[Any]] = {
+        "body": scene.bodies,
+        "support": scene.supports,
+        "load": scene.loads,
+        "probe": scene.probes,
+    }
+    for kind, items in groups.items():
         seen: set[str] = set()
         for item in items:
             _require(item.name not in seen, place(item, kind), "name", f"{item.name!r} is used twice")
@@ -109,7 +115,8 @@ def _velocity_field(scene: Scene, body: Body) -> None:
         _vector(getattr(field, name), scene.dimension, where, f"velocity_field.{name}")
     _positive(field.length, where, "velocity_field.length")
     _require(np.linalg.norm(field.axis) > 0.0, where, "velocity_field.axis", "has no length")
-    _require(field.mode >= 1, where, "velocity_field.mode", f"is {field.mode}, must be 1 or more")
+    good = field.mode == int(field.mode) and field.mode >= 1
+    _require(good, where, "velocity_field.mode", f"is {field.mode}, must be a whole number from 1 on")
 
 
 def _support(scene: Scene, support: Support) -> None:
@@ -135,6 +142,8 @@ def _table(motion: sc.TableMotion, scene: Scene, where: str) -> None:
     reason = f"has shape {rows.shape}, must have one vector for each of the {len(times)} times"
     _require(rows.shape == shape, where, "motion.displacements", reason)
     _require(bool(np.all(np.isfinite(rows))), where, "motion.displacements", "must be finite")
+    start = [np.interp(0.0, times, column) for column in rows.T]
+    _require(not np.any(start), where, "motion.displacements", "must be 0 at t = 0, where the particles are")
 
 
 def _load(scene: Scene, load: Load) -> None:

@@ -7,7 +7,6 @@ References:
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 
 import numpy as np
 
@@ -30,16 +29,15 @@ def velocity(field: VelocityField, positions: np.ndarray) -> np.ndarray:
 
 
 def beam_root(ends: str, mode: int) -> float:
-    """The root beta L of a uniform beam's frequency equation.
+    """The root b = beta L of a uniform beam's frequency equation.
 
     cos(b) cosh(b) = 1 for ``free_free_beam``, -1 for ``clamped_free_beam`` (Rao, table 8.4).
     """
     sign = 1.0 if ends == "free_free_beam" else -1.0
-    root = (mode + 0.5) * math.pi if sign > 0 else (mode - 0.5) * math.pi
+    root = (mode + 0.5 * sign) * math.pi
     for _ in range(50):  # Newton on cos(b) - sign / cosh(b), which stays of order one where cosh(b) does not
-        value = math.cos(root) - sign / math.cosh(root)
-        slope = -math.sin(root) + sign * math.sinh(root) / math.cosh(root) ** 2
-        root -= value / slope
+        inverse = 2.0 * math.exp(-root) / (1.0 + math.exp(-2.0 * root))
+        root -= (math.cos(root) - sign * inverse) / (sign * inverse * math.tanh(root) - math.sin(root))
     return root
 
 
@@ -48,18 +46,30 @@ def _sine(along: np.ndarray, mode: int) -> np.ndarray:
 
 
 def _free_free(along: np.ndarray, mode: int) -> np.ndarray:
-    b = beam_root("free_free_beam", mode)
-    ratio = (math.cosh(b) - math.cos(b)) / (math.sinh(b) - math.sin(b))
-    return _normalized(along, b, lambda s: np.cosh(s) + np.cos(s) - ratio * (np.sinh(s) + np.sin(s)))
+    return _beam(along, beam_root("free_free_beam", mode), 1.0)
 
 
 def _clamped_free(along: np.ndarray, mode: int) -> np.ndarray:
-    b = beam_root("clamped_free_beam", mode)
-    ratio = (math.cosh(b) + math.cos(b)) / (math.sinh(b) + math.sin(b))
-    return _normalized(along, b, lambda s: np.cosh(s) - np.cos(s) - ratio * (np.sinh(s) - np.sin(s)))
+    return _beam(along, beam_root("clamped_free_beam", mode), -1.0)
 
 
-def _normalized(along: np.ndarray, root: float, shape: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
+def _beam(along: np.ndarray, root: float, sign: float) -> np.ndarray:
+    """Bending shape of a beam, 1 at its end: cosh s - r sinh s + sign (cos s - r sin s), s = b along.
+
+    r = (cosh b - sign cos b)/(sinh b - sign sin b).
+
+    cosh s - r sinh s = ((1 - r) exp(s) + (1 + r) exp(-s))/2, in which 1 - r is a small difference times a large
+    exponential: both are formed together.
+    """
+    sine, cosine, decay = math.sin(root), math.cos(root), math.exp(-root)
+    half_sinh = 0.5 * (1.0 - decay**2) - sign * sine * decay  # (sinh b - sign sin b) exp(-b)
+    small = sign * (cosine - sine) - decay  # (1 - r)(sinh b - sign sin b)
+    ratio = (0.5 * (1.0 + decay**2) - sign * cosine * decay) / half_sinh
+
+    def shape(s: np.ndarray) -> np.ndarray:
+        growing = small * np.exp(s - root) / half_sinh
+        return 0.5 * (growing + (1.0 + ratio) * np.exp(-s)) + sign * (np.cos(s) - ratio * np.sin(s))
+
     return shape(root * along) / shape(np.asarray(root))
 
 

@@ -25,7 +25,7 @@ from warp_mps.observers.probes import ProbeRecorder
 from warp_mps.observers.progress import Progress
 from warp_mps.results import RunSummary, energy_record, measurement_rows
 from warp_mps.scene import Scene
-from warp_mps.simulation import Simulation
+from warp_mps.simulation import Clock, Simulation
 
 ANIMATION, PROBES, SUMMARY = "run.usdc", "probes.csv", "run.json"
 
@@ -66,6 +66,9 @@ def run_scene(
     checkpoint = _claim(folder, scene, precision, overwrite=overwrite, resume=resume)
     progress = Progress(every=1, quiet=quiet)
     announce = None if quiet else _say
+    clock = Clock(scene)
+    if clock.dt > clock.dt_limit:
+        _say(f"the time step of {clock.dt:.4g} s is above the limit of {clock.dt_limit:.4g} s: expect an unstable run")
     simulation = Simulation(scene, device=device, precision=precision, threads=threads, announce=announce)
     if checkpoint is not None:
         simulation.restore(checkpoint.arrays)

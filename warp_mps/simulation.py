@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from warp_mps.elastic.material import pressure_wave_speed
+from warp_mps.elastic.material import pressure_wave_speed, stable_time_step
 from warp_mps.energy import Energy
 from warp_mps.errors import InputError, RunError
 from warp_mps.particles import Particles, fill_scene
@@ -20,8 +20,6 @@ if TYPE_CHECKING:
 
 # steps in a graph that is replayed as one: long enough that the launch from Python does not count
 BLOCK = 32
-# the stiffest motion of the spring model, the rotation of single particles, is stable up to 0.58 l0 / c_p (nu = 0)
-COURANT_LIMIT = 0.55
 
 
 class Clock:
@@ -40,8 +38,9 @@ class Clock:
             body.spacing / pressure_wave_speed(body.material, scene.dimension, scene.plane) for body in scene.bodies
         )
         # a contact as stiff as the material adds to the stiffness of the particles that touch
-        crossing /= math.sqrt(max(1.0, scene.contact.stiffness))
-        self.dt_limit = COURANT_LIMIT * crossing
+        slower = math.sqrt(max(1.0, scene.contact.stiffness))
+        crossing /= slower
+        self.dt_limit = min(stable_time_step(body, scene) for body in scene.bodies) / slower
         frame = 1.0 / scene.frame_rate
         samples = max(1, round((scene.sample_rate or scene.frame_rate) / scene.frame_rate))
         if scene.time_step is None:

@@ -12,7 +12,8 @@ from warp_mps.core.neighbours import reference_neighbours
 
 def neighbours(positions: np.ndarray, groups: np.ndarray, reach: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The list, made on the CPU."""
-    return reference_neighbours(positions, groups, reach, device=open_device("cpu"))
+    start, index = reference_neighbours(positions, groups, reach, device=open_device("cpu"))
+    return start.numpy(), index.numpy()
 
 
 def pairs_of(start: np.ndarray, index: np.ndarray) -> np.ndarray:

@@ -16,8 +16,8 @@ from warp_mps.simulation import Simulation
 HEAVY = Material(4000.0, 4e7, 0.3)
 
 
-def two_particles(dimension: int, offset: float = 0.0, **scene: object) -> Scene:
-    """A light particle that flies into a heavy one, 1.05 spacings away along x, `offset` aside."""
+def two_particles(dimension: int, *, away: float = 0.0105, offset: float = 0.0, **scene: object) -> Scene:
+    """A light particle that flies into a heavy one, so far away along x and `offset` aside [m]; spacing 0.01 m."""
     aside = [offset] + [0.0] * (dimension - 2)
     light = Body(
         name="light",
@@ -26,7 +26,7 @@ def two_particles(dimension: int, offset: float = 0.0, **scene: object) -> Scene
         spacing=0.01,
         velocity=[2.0] + [0.0] * (dimension - 1),
     )
-    heavy = Body(name="heavy", shape=Points(np.array([[0.0105, *aside]])), material=HEAVY, spacing=0.01)
+    heavy = Body(name="heavy", shape=Points(np.array([[away, *aside]])), material=HEAVY, spacing=0.01)
     return scene_of(light, heavy, dimension=dimension, **{"time_step": 1e-6, **scene})
 
 
@@ -71,6 +71,17 @@ def test_a_glancing_collision_keeps_all_that_must_be_kept(dimension: int) -> Non
     assert not simulation.contact_forces.any()
     np.testing.assert_allclose(kept(), start, atol=1e-13 * np.abs(start).max())
     assert simulation.energy.total == pytest.approx(energy, rel=1e-4)
+
+
+def test_a_restored_contact_is_there_at_once() -> None:
+    """The list of candidates is no part of a saved state, and is made anew with it."""
+    scene = two_particles(2, away=0.02)
+    simulation = Simulation(scene)
+    simulation.advance(5100)
+    assert simulation.energy.contact > 0.0
+    restored = Simulation(scene)
+    restored.restore(simulation.state_arrays())
+    assert restored.energy == simulation.energy
 
 
 @pytest.mark.parametrize(("between", "rebounds"), [("bodies", True), ("all", True), ("none", False)])

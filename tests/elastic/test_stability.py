@@ -15,11 +15,13 @@ from warp_mps.simulation import Clock, Simulation
 SIZES = {2: ((24, 24), (24, 2), (24, 1), (2, 2)), 3: ((8, 8, 8), (8, 8, 1), (10, 1, 1), (2, 2, 2))}
 
 
-def body_of(cells: tuple[int, ...], nu: float, plane: str, radius: float, **scene: object) -> Scene:
+def body_of(
+    cells: tuple[int, ...], nu: float, plane: str, radius: float, normalization: str = "lattice", **scene: object
+) -> Scene:
     """A free body of so many particles along each axis."""
     shape = Box([0.01 * number for number in cells])
     body = Body(name="body", shape=shape, material=Material(1000.0, 1e6, nu), spacing=0.01)
-    elasticity = Elasticity(effective_radius=radius)
+    elasticity = Elasticity(effective_radius=radius, normalization=normalization)
     return scene_of(body, dimension=len(cells), plane=plane, elasticity=elasticity, **scene)
 
 
@@ -28,13 +30,18 @@ def stable_step(scene: Scene) -> float:
     return 2.0 / linear_system(scene, fill_scene(scene)).highest_frequency()
 
 
+@pytest.mark.parametrize("normalization", ["lattice", "particle"])
 @pytest.mark.parametrize("radius", [1.5, 2.1, 3.1])
-@pytest.mark.parametrize("nu", [0.0, 0.3, 0.48])
+@pytest.mark.parametrize("nu", [-0.5, 0.0, 0.3, 0.48])
 @pytest.mark.parametrize(("dimension", "plane"), [(2, "stress"), (2, "strain"), (3, "strain")])
-def test_the_limit_is_below_what_is_stable(dimension: int, plane: str, nu: float, radius: float) -> None:
+def test_the_limit_and_the_default_are_below_what_is_stable(
+    dimension: int, plane: str, nu: float, radius: float, normalization: str
+) -> None:
     for cells in SIZES[dimension]:
-        scene = body_of(cells, nu, plane, radius)
-        assert Clock(scene).dt_limit < stable_step(scene)
+        scene = body_of(cells, nu, plane, radius, normalization)
+        clock = Clock(scene)
+        assert clock.dt_limit < stable_step(scene)
+        assert clock.dt < clock.dt_limit
 
 
 @pytest.mark.parametrize("dimension", [2, 3])

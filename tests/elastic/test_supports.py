@@ -150,12 +150,13 @@ def test_a_support_of_named_bodies_leaves_the_others_free() -> None:
     np.testing.assert_array_equal(simulation.displacements[:, 1] == 0.0, simulation.particles.bodies == 1)
 
 
-def test_two_motions_of_one_particle_are_refused() -> None:
+@pytest.mark.parametrize("motions", [(SWING, SWING), (None, SWING), (SWING, None)])
+def test_a_moving_support_shares_no_axis_of_a_particle(motions: tuple[HarmonicMotion | None, ...]) -> None:
     supports = tuple(
-        Support(name=name, region=GRIP, motion=SWING, axes=axes, path=f"/World/{name}")
-        for name, axes in (("one", (0, 1)), ("two", (1,)))
+        Support(name=name, region=GRIP, motion=motion, axes=axes, path=f"/World/{name}")
+        for name, axes, motion in zip(("one", "two"), ((0, 1), (1,)), motions, strict=True)
     )
-    with pytest.raises(InputError, match="/World/two motion: moves particles that another support already moves"):
+    with pytest.raises(InputError, match="/World/two motion: holds particles along an axis along which another"):
         Simulation(beam(2, supports=supports))
 
 

@@ -58,7 +58,7 @@ def refusal(path: Path, **options: Any) -> InputError:
         ({"Scene": ("double mps:dimension = 2",)}, "/Scene", "mps:dimension", "must be int, not double"),
         ({"Scene": ('token mps:contact = "some"',)}, "/Scene", "mps:contact", "must be one of: none, bodies, all"),
         ({"Scene": ("double mps:courant = 0",)}, "/Scene", "mps:courant", "above 0"),
-        ({"Scene": ("double mps:effectiveRadius = 9",)}, "/Scene", "mps:effectiveRadius", "between 1 and 5"),
+        ({"Scene": ("double mps:effectiveRadius = 9",)}, "/Scene", "mps:effectiveRadius", "between 1.1 and 5"),
         (
             {"Scene": ("float physics:gravityMagnitude = 1", "vector3f physics:gravityDirection = (0, 0, 1)")},
             "/Scene",

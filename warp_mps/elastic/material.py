@@ -1,10 +1,10 @@
-"""Lame's constants of a material in 3-D, plane strain and plane stress."""
+"""Lame's constants of a material in 3-D, plane strain and plane stress, and the time step that they allow."""
 
 from __future__ import annotations
 
 import math
 
-from warp_mps.scene import Material
+from warp_mps.scene import Body, Material, Scene
 
 
 def lame_constants(material: Material, dimension: int, plane: str) -> tuple[float, float]:
@@ -30,3 +30,17 @@ def pressure_wave_speed(material: Material, dimension: int, plane: str) -> float
     """Speed of pressure waves c_p = sqrt((lambda + 2 mu) / rho) [m/s]."""
     lame, mu = lame_constants(material, dimension, plane)
     return math.sqrt((lame + 2.0 * mu) / material.density)
+
+
+def stable_time_step(body: Body, scene: Scene) -> float:
+    """Largest time step that is stable for small deformations of a body, 2 / omega_max [s].
+
+    A bound that holds for every lattice, Poisson's ratio and effective radius that was tried, and comes within 1 % of
+    the limit where nu = 0: omega_max^2 = (a mu + b lambda)/(rho l0^2). With n0 a = 24 is the rotation of single
+    particles against their neighbours, with an inertia of m l0^2/6; with n_i, particles at a surface are held more
+    stiffly.
+    """
+    lame, mu = lame_constants(body.material, scene.dimension, scene.plane)
+    d = scene.dimension
+    a, b = (24.0, d) if scene.elasticity.normalization == "lattice" else (20.0 * d, 4.0 * d**2)
+    return 2.0 * body.spacing * math.sqrt(body.material.density / (a * mu + b * max(lame, 0.0)))

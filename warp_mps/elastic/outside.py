@@ -117,13 +117,15 @@ class Outside:
         found = select_held(particles, support)
         axes = np.array(support.axes or range(particles.dimension))
         clamp = len(axes) == particles.dimension if support.hold_rotation is None else support.hold_rotation
-        self.held[np.ix_(found, axes)] = True
+        here = np.ix_(found, axes)
+        if driven[here].any() or (support.motion is not None and self.held[here].any()):
+            reason = "holds particles along an axis along which another support moves or holds them"
+            raise InputError(place(support, "support"), "motion", reason)
+        self.held[here] = True
         self.held_rotation[found] |= clamp
         if support.motion is None:
             return
-        if driven[np.ix_(found, axes)].any():
-            raise InputError(place(support, "support"), "motion", "moves particles that another support already moves")
-        driven[np.ix_(found, axes)] = True
+        driven[here] = True
         mask = np.zeros(particles.dimension)
         mask[axes] = 1.0
         self._driven.append(self._agent(found, [self._kit.vec(*mask), *self._motion(support.motion)], self._kit.vec))

@@ -92,7 +92,7 @@ SCENE = _table(
          default=_default(sc.Scene, "damping")),
     _row("mps:elasticModel", "token", "model", "the elastic model", default=_default(sc.Elasticity, "model"),
          allowed=sc.ELASTIC_MODELS),
-    _row("mps:effectiveRadius", "double", "effective_radius", "effective radius in particle spacings, 1 to 5",
+    _row("mps:effectiveRadius", "double", "effective_radius", "effective radius in particle spacings, 1.1 to 5",
          default=_default(sc.Elasticity, "effective_radius")),
     _row("mps:normalization", "token", "normalization", "normalize by a full lattice or by each particle's own sum",
          default=_default(sc.Elasticity, "normalization"), allowed=sc.NORMALIZATIONS),

@@ -1,0 +1,215 @@
+"""Every refusal of a scene names the place and the field, and says what is allowed."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from tests.scenes import RUBBER, block
+from warp_mps.errors import InputError
+from warp_mps.scene import (
+    Body,
+    Contact,
+    Elasticity,
+    HarmonicMotion,
+    Load,
+    Material,
+    Measurement,
+    Probe,
+    Scene,
+    Support,
+    TableMotion,
+    VelocityField,
+)
+from warp_mps.shapes import Box
+
+NAN, INF = math.nan, math.inf
+REGION = Box((1.0, 1.0))
+SWING = HarmonicMotion(amplitude=(0.0, 1e-3), frequency=5.0)
+STEPS = TableMotion(times=np.array([0.0, 1.0]), displacements=np.zeros((2, 2)))
+FIELD = VelocityField(kind="sine", amplitude=(0.0, 1.0), axis=(1.0, 0.0), origin=(0.0, 0.0), length=1.0)
+
+
+def scene(**fields: Any) -> Scene:
+    """A good scene, with some fields replaced."""
+    good: dict[str, Any] = {
+        "bodies": (block(2, path="/World/block"),),
+        "duration": 1.0,
+        "path": "/World",
+        "probes": (Probe(name="tip", point=(0.0, 0.0), path="/World/tip"),),
+    }
+    return Scene(**{**good, **fields})
+
+
+def body(**fields: Any) -> dict[str, Any]:
+    """Fields of a scene whose body is another one."""
+    return {"bodies": (replace(block(2, path="/World/block"), **fields),)}
+
+
+def material(**fields: Any) -> dict[str, Any]:
+    """Fields of a scene whose material is another one."""
+    return body(material=replace(RUBBER, path="/World/rubber", **fields))
+
+
+def support(**fields: Any) -> dict[str, Any]:
+    """Fields of a scene with a support."""
+    return {"supports": (Support(**{"name": "grip", "region": REGION, "path": "/World/grip", **fields}),)}
+
+
+def load(**fields: Any) -> dict[str, Any]:
+    """Fields of a scene with a load."""
+    good = {"name": "push", "region": REGION, "path": "/World/push", "force": (1.0, 0.0)}
+    return {"loads": (Load(**{**good, **fields}),)}
+
+
+def probe(**fields: Any) -> dict[str, Any]:
+    """Fields of a scene with a probe."""
+    return {"probes": (Probe(**{"name": "tip", "path": "/World/tip", **fields}),)}
+
+
+def measurement(**fields: Any) -> dict[str, Any]:
+    """Fields of a scene with a measurement."""
+    good = {"name": "mode", "measure": "frequency", "probe": "tip", "path": "/World/mode"}
+    return {"measurements": (Measurement(**{**good, **fields}),)}
+
+
+def velocity_field(**fields: Any) -> dict[str, Any]:
+    """Fields of a scene whose body has an initial velocity field."""
+    return body(velocity_field=replace(FIELD, **fields))
+
+
+BROKEN: list[tuple[str, str, str, dict[str, Any]]] = [
+    ("/World", "dimension", "must be 2 or 3", {"dimension": 1}),
+    ("/World", "plane", "must be one of: strain, stress", {"plane": "both"}),
+    ("/World", "model", "must be one of: springs", {"elasticity": Elasticity(model="glass")}),
+    ("/World", "normalization", "must be one of: lattice, particle", {"elasticity": Elasticity(normalization="n")}),
+    ("/World", "effective_radius", "between 1", {"elasticity": Elasticity(effective_radius=0.9)}),
+    ("/World", "effective_radius", "between 1", {"elasticity": Elasticity(effective_radius=NAN)}),
+    ("/World", "contact", "must be one of: none, bodies, all", {"contact": Contact(between="some")}),
+    ("/World", "contact_stiffness", "above 0", {"contact": Contact(stiffness=0.0)}),
+    ("/World", "duration", "above 0", {"duration": 0.0}),
+    ("/World", "duration", "finite", {"duration": INF}),
+    ("/World", "frame_rate", "above 0", {"frame_rate": -1.0}),
+    ("/World", "sample_rate", "above 0", {"sample_rate": 0.0}),
+    ("/World", "time_step", "above 0", {"time_step": NAN}),
+    ("/World", "courant", "above 0", {"courant": 0.0}),
+    ("/World", "damping", "at least 0", {"damping": -1.0}),
+    ("/World", "gravity", "2 finite numbers", {"gravity": (0.0, -9.81, 0.0)}),
+    ("/World", "gravity", "2 finite numbers", {"gravity": (0.0, NAN)}),
+    ("/World", "bodies", "no body", {"bodies": ()}),
+    ("/World/block", "name", "is used twice", {"bodies": (block(2, path="/World/block"),) * 2}),
+    ("/World/block", "name", "is empty", body(name="")),
+    ("/World/tip", "name", "is used twice", {"probes": (Probe(name="a", point=(0.0, 0.0), path="/World/tip"),) * 2}),
+    ("/World/grip", "name", "is used twice", {"supports": support()["supports"] * 2}),
+    ("/World/rubber", "density", "above 0", material(density=0.0)),
+    ("/World/rubber", "youngs_modulus", "above 0", material(youngs_modulus=-1.0)),
+    ("/World/rubber", "poissons_ratio", "between -1 and 0.5", material(poissons_ratio=0.5)),
+    ("/World/rubber", "poissons_ratio", "between -1 and 1", {**material(poissons_ratio=1.0), "plane": "stress"}),
+    ("/World/rubber", "poissons_ratio", "between -1", material(poissons_ratio=-1.0)),
+    ("/World/block", "density", "above 0", body(material=Material(0.0, 1e6, 0.3))),
+    ("/World/block", "spacing", "above 0", body(spacing=0.0)),
+    ("/World/block", "velocity", "2 finite numbers", body(velocity=(1.0,))),
+    ("/World/block", "angular_velocity", "1 finite numbers", body(angular_velocity=(0.0, 0.0, 1.0))),
+    ("/World/block", "node_axes", "must be axes", body(node_axes=(3,))),
+    ("/World/block", "bonded_to", "names no body: 'ghost'", body(bonded_to=("ghost",))),
+    ("/World/block", "velocity_field", "must be one of: sine", velocity_field(kind="square")),
+    ("/World/block", "velocity_field.amplitude", "2 finite numbers", velocity_field(amplitude=(1.0,))),
+    ("/World/block", "velocity_field.axis", "2 finite numbers", velocity_field(axis=(NAN, 1.0))),
+    ("/World/block", "velocity_field.axis", "has no length", velocity_field(axis=(0.0, 0.0))),
+    ("/World/block", "velocity_field.origin", "2 finite numbers", velocity_field(origin=(0.0, 0.0, 0.0))),
+    ("/World/block", "velocity_field.length", "above 0", velocity_field(length=0.0)),
+    ("/World/block", "velocity_field.mode", "must be a whole number from 1 on", velocity_field(mode=0)),
+    ("/World/grip", "axes", "2 dimensions", support(axes=(2,))),
+    ("/World/grip", "bodies", "names no body: 'ghost'", support(bodies=("ghost",))),
+    ("/World/grip", "motion.amplitude", "2 finite", support(motion=replace(SWING, amplitude=(1.0,)))),
+    ("/World/grip", "motion.frequency", "above 0", support(motion=replace(SWING, frequency=0.0))),
+    ("/World/grip", "motion.phase", "finite", support(motion=replace(SWING, phase=INF))),
+    ("/World/grip", "motion.times", "at least two", support(motion=replace(STEPS, times=np.array([0.0])))),
+    ("/World/grip", "motion.times", "increase", support(motion=replace(STEPS, times=np.array([1.0, 1.0])))),
+    ("/World/grip", "motion.times", "finite", support(motion=replace(STEPS, times=np.array([0.0, NAN])))),
+    (
+        "/World/grip",
+        "motion.displacements",
+        "one vector",
+        support(motion=replace(STEPS, displacements=np.zeros((3, 2)))),
+    ),
+    (
+        "/World/grip",
+        "motion.displacements",
+        "finite",
+        support(motion=replace(STEPS, displacements=np.full((2, 2), NAN))),
+    ),
+    ("/World/push", "force", "neither a force nor an acceleration", load(force=None)),
+    ("/World/push", "force", "2 finite numbers", load(force=(1.0, 2.0, 3.0))),
+    ("/World/push", "acceleration", "2 finite numbers", load(acceleration=(INF, 0.0))),
+    ("/World/push", "frequency", "at least 0", load(frequency=-1.0)),
+    ("/World/push", "phase", "finite", load(phase=NAN)),
+    ("/World/push", "bodies", "names no body: 'ghost'", load(bodies=("ghost",))),
+    ("/World/tip", "target", "exactly one", probe()),
+    ("/World/tip", "target", "exactly one", probe(point=(0.0, 0.0), body="block")),
+    ("/World/tip", "target", "names no body: 'ghost'", probe(body="ghost")),
+    ("/World/tip", "target", "names no support: 'ghost'", probe(support="ghost", quantity="reaction")),
+    ("/World/tip", "quantity", "must be one of: position", probe(point=(0.0, 0.0), quantity="colour")),
+    ("/World/tip", "quantity", "must be one of: reaction", {**support(), **probe(support="grip", quantity="position")}),
+    ("/World/tip", "point", "2 finite numbers", probe(point=(0.0, 0.0, 0.0))),
+    ("/World/mode", "measure", "must be one of: frequency", measurement(measure="colour")),
+    ("/World/mode", "probe", "names no probe: 'ghost'", measurement(probe="ghost")),
+    ("/World/mode", "component", "2 axes", measurement(component=2)),
+    ("/World/mode", "start", "must lie before the end", measurement(start=1.0)),
+    ("/World/mode", "start", "must lie before the end", measurement(start=0.5, end=0.5)),
+    ("/World/mode", "frequency", "above 0", measurement(measure="harmonic_phase")),
+    ("/World/mode", "reference", "finite", measurement(reference=NAN)),
+    ("/World/mode", "unit", "must be one of", measurement(unit="mm")),
+]
+
+
+@pytest.mark.parametrize(("where", "attribute", "reason", "fields"), BROKEN, ids=lambda value: str(value)[:40])
+def test_a_broken_scene_is_refused(where: str, attribute: str, reason: str, fields: dict[str, Any]) -> None:
+    with pytest.raises(InputError) as refusal:
+        scene(**fields)
+    error = refusal.value
+    assert (error.where, error.attribute) == (where, attribute)
+    assert reason in error.reason
+    assert str(error) == f"{where} {attribute}: {error.reason}"
+    assert "\n" not in str(error)
+
+
+def test_items_without_a_path_are_named_by_kind_and_name() -> None:
+    with pytest.raises(InputError, match=r"^body 'block' spacing: is -1, must be finite and above 0$"):
+        scene(bodies=(block(2, spacing=-1.0),))
+    with pytest.raises(InputError, match=r"^load 'push' force: neither"):
+        scene(loads=(Load(name="push", region=REGION),))
+
+
+@pytest.mark.parametrize(
+    "fields",
+    [
+        {},
+        {"gravity": (0.0, -9.81), "damping": 0.0, "sample_rate": 1000.0, "time_step": 1e-5},
+        {**material(poissons_ratio=0.7), "plane": "stress"},
+        material(poissons_ratio=-0.5),
+        support(motion=SWING, axes=(1,)),
+        support(motion=STEPS, bodies=("block",)),
+        load(frequency=3.0, acceleration=(0.0, 1.0)),
+        body(angular_velocity=3.0, velocity=(1.0, 0.0), velocity_field=FIELD),
+        measurement(start=0.5, end=0.8, unit="Hz"),
+        {**support(), **probe(support="grip", quantity="reaction")},
+    ],
+)
+def test_a_good_scene_is_taken(fields: dict[str, Any]) -> None:
+    assert scene(**fields).path == "/World"
+
+
+def test_a_scene_in_space_wants_three_numbers() -> None:
+    box: Body = block(3)
+    with pytest.raises(InputError, match=r"gravity: is .* must be 3 finite numbers"):
+        Scene(bodies=(box,), duration=1.0, dimension=3, gravity=(0.0, -9.81))
+    with pytest.raises(InputError, match=r"angular_velocity: .* must be 3 finite numbers"):
+        Scene(bodies=(replace(box, angular_velocity=1.0),), duration=1.0, dimension=3)
+    # plane stress is nothing in space
+    with pytest.raises(InputError, match=r"between -1 and 0.5 \(both excluded\) in 3-D"):
+        Scene(bodies=(block(3, material=Material(1.0, 1.0, 0.6)),), duration=1.0, dimension=3, plane="stress")

@@ -1,0 +1,105 @@
+"""Initial velocity fields: beam modes against their frequency equations, their ends and their orthogonality."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from warp_mps.fields import beam_root, velocity
+from warp_mps.scene import VelocityField
+
+
+def shape(kind: str, mode: int, along: np.ndarray) -> np.ndarray:
+    """Values of a mode at fractions of the length, through a beam of 2 m along y whose middle is the origin."""
+    field = VelocityField(kind=kind, amplitude=(3.0, 0.0), axis=(0.0, 5.0), origin=(0.0, -1.0), length=2.0, mode=mode)
+    values = velocity(field, np.column_stack((np.full_like(along, 7.0), 2.0 * along - 1.0)))
+    np.testing.assert_array_equal(values[:, 1], 0.0)
+    return values[:, 0] / 3.0
+
+
+@pytest.mark.parametrize(
+    ("ends", "roots"),
+    [
+        ("free_free_beam", [4.730041, 7.853205, 10.995608, 14.137165]),
+        ("clamped_free_beam", [1.875104, 4.694091, 7.854757, 10.995541]),
+    ],
+)
+def test_roots_of_the_frequency_equations(ends: str, roots: list[float]) -> None:
+    """Rao, Mechanical Vibrations, table 8.4."""
+    assert [beam_root(ends, mode) for mode in (1, 2, 3, 4)] == pytest.approx(roots, rel=1e-6)
+    sign = 1.0 if ends == "free_free_beam" else -1.0
+    for mode in (1, 2, 5):
+        root = beam_root(ends, mode)
+        assert math.cos(root) * math.cosh(root) == pytest.approx(sign, abs=1e-9 * math.cosh(root))
+
+
+def derivatives(kind: str, mode: int, at: float) -> tuple[float, float, float]:
+    """Value, slope and curvature of a mode at a fraction of the length, from inside, by one-sided differences."""
+    inward = 1.0 if at < 0.5 else -1.0
+    step = 1e-3
+    f = shape(kind, mode, at + inward * step * np.arange(5))
+    slope = inward * (-25 * f[0] + 48 * f[1] - 36 * f[2] + 16 * f[3] - 3 * f[4]) / (12 * step)
+    curvature = (35 * f[0] - 104 * f[1] + 114 * f[2] - 56 * f[3] + 11 * f[4]) / (12 * step**2)
+    return float(f[0]), float(slope), float(curvature)
+
+
+@pytest.mark.parametrize("mode", [1, 2, 3])
+def test_a_free_end_has_no_bending_moment(mode: int) -> None:
+    root = beam_root("free_free_beam", mode)
+    for end in (0.0, 1.0):
+        value, _, curvature = derivatives("free_free_beam", mode, end)
+        assert abs(value) == pytest.approx(1.0, rel=1e-9)
+        assert curvature == pytest.approx(0.0, abs=1e-3 * root**2)
+    assert derivatives("clamped_free_beam", mode, 1.0)[2] == pytest.approx(0.0, abs=1e-3 * root**2)
+
+
+@pytest.mark.parametrize("mode", [1, 2, 3])
+def test_a_clamped_end_has_no_deflection_and_no_slope(mode: int) -> None:
+    value, slope, curvature = derivatives("clamped_free_beam", mode, 0.0)
+    assert value == pytest.approx(0.0, abs=1e-12)
+    assert slope == pytest.approx(0.0, abs=1e-5)
+    assert abs(curvature) > 1.0
+
+
+@pytest.mark.parametrize("kind", ["sine", "free_free_beam", "clamped_free_beam"])
+def test_modes_are_orthogonal(kind: str) -> None:
+    along = (np.arange(4000) + 0.5) / 4000
+    modes = np.array([shape(kind, mode, along) for mode in (1, 2, 3)])
+    products = modes @ modes.T / len(along)
+    # free and clamped beams: the mean square of a mode that is 1 at its end is 1/4
+    np.testing.assert_allclose(np.diag(products), 0.5 if kind == "sine" else 0.25, rtol=1e-5)
+    np.testing.assert_allclose(products - np.diag(np.diag(products)), 0.0, atol=1e-6)
+
+
+@pytest.mark.parametrize("mode", [1, 2, 5])
+def test_free_modes_carry_no_momentum(mode: int) -> None:
+    along = (np.arange(4000) + 0.5) / 4000
+    values = shape("free_free_beam", mode, along)
+    assert values.mean() == pytest.approx(0.0, abs=1e-6)
+    assert (values * (along - 0.5)).mean() == pytest.approx(0.0, abs=1e-6)
+
+
+def test_sine_by_hand() -> None:
+    np.testing.assert_allclose(
+        shape("sine", 2, np.array([0.0, 0.125, 0.25, 0.75])), [0.0, 0.5**0.5, 1.0, -1.0], atol=1e-15
+    )
+
+
+def test_a_field_in_space() -> None:
+    field = VelocityField(
+        kind="sine", amplitude=(0.0, 1.0, 2.0), axis=(1.0, 0.0, 0.0), origin=(0.0, 0.0, 0.0), length=2.0
+    )
+    np.testing.assert_allclose(velocity(field, np.array([[1.0, 4.0, 5.0]])), [[0.0, 1.0, 2.0]])
+
+
+@pytest.mark.parametrize("kind", ["free_free_beam", "clamped_free_beam"])
+@pytest.mark.parametrize("mode", [8, 12, 400])
+def test_high_modes_keep_their_digits(kind: str, mode: int) -> None:
+    """Far from both ends a high mode is a plain wave of amplitude sqrt(2)/2 beside its unit end."""
+    field = VelocityField(kind=kind, amplitude=(0.0, 1.0), axis=(1.0, 0.0), origin=(0.0, 0.0), length=1.0, mode=mode)
+    along = np.linspace(0.4, 0.6, 20_001)
+    values = velocity(field, np.column_stack((along, 0.0 * along)))[:, 1]
+    assert np.abs(values).max() == pytest.approx(np.sqrt(0.5), rel=1e-3)
+    assert velocity(field, np.array([[1.0, 0.0]]))[0, 1] == pytest.approx(1.0)

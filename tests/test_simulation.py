@@ -1,0 +1,254 @@
+"""A run: the same bits whichever way its steps are launched, its restart, and its observers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from tests.scenes import block, scene_of
+from warp_mps.errors import InputError, RunError
+from warp_mps.observers.base import View
+from warp_mps.scene import Body, Contact, HarmonicMotion, Load, Scene, Support, TableMotion
+from warp_mps.shapes import Box
+from warp_mps.simulation import BLOCK, Simulation
+
+KINDS = [(dimension, precision) for dimension in (2, 3) for precision in ("float64", "float32")]
+
+
+def everything(dimension: int) -> Scene:
+    """A block that falls, pushed and damped, on one that is shaken, while a third one is drawn aside."""
+    rest = [0.0] * (dimension - 2)
+
+    def body(name: str, *center: float, **fields: object) -> Body:
+        shape = Box((0.05, 0.03, 0.03)[:dimension], [*center, *rest])
+        return block(dimension, name=name, shape=shape, **fields)
+
+    def strip(y: float) -> Box:
+        return Box((1.0, 0.011, 1.0)[:dimension], [0.0, y, *rest])
+
+    amplitude = [0.0, 1e-3, *rest]
+    path = TableMotion(times=np.array([1e-3, 2e-3]), displacements=np.array([[0.0] * dimension, [2e-3, *rest, 0.0]]))
+    return scene_of(
+        body(
+            "upper",
+            0.004,
+            0.0305,
+            velocity=[1.0, -8.0, *rest],
+            angular_velocity=20.0 if dimension == 2 else (5.0, 9.0, 20.0),
+        ),
+        body("lower", 0.0, 0.0),
+        body("third", 0.06, 0.0),
+        dimension=dimension,
+        duration=0.01,
+        supports=(
+            Support(
+                name="shaker",
+                region=strip(-0.01),
+                bodies=("lower",),
+                motion=HarmonicMotion(amplitude=amplitude, frequency=300.0),
+            ),
+            Support(name="hand", region=strip(-0.01), bodies=("third",), motion=path, axes=(0,)),
+        ),
+        loads=(Load(name="push", region=strip(0.0405), force=[50.0, 0.0, *rest], frequency=100.0),),
+        gravity=[0.0, -9.81, *rest],
+        damping=5.0,
+        contact=Contact(between="all"),
+    )
+
+
+def states(simulation: Simulation, *chunks: int) -> list[dict[str, np.ndarray]]:
+    """The state after each of some numbers of steps."""
+    found = []
+    for steps in chunks:
+        simulation.advance(steps)
+        found.append(simulation.state_arrays())
+    return found
+
+
+def assert_same_bits(left: list[dict[str, np.ndarray]], right: list[dict[str, np.ndarray]]) -> None:
+    for a, b in zip(left, right, strict=True):
+        assert a.keys() == b.keys()
+        for name, values in a.items():
+            np.testing.assert_array_equal(values, b[name], err_msg=name)
+
+
+@pytest.mark.parametrize(("dimension", "precision"), KINDS)
+def test_graphs_kernels_and_threads_give_the_same_bits(dimension: int, precision: str) -> None:
+    chunks = (1, BLOCK + 1, 2 * BLOCK, 60)
+    scene = everything(dimension)
+    replayed = Simulation(scene, precision=precision)
+    expected = states(replayed, *chunks)
+    # the blocks touch from step 8 to 61
+    assert expected[1]["contact"].any()
+    assert replayed.energy.dissipated > 0.0
+    for options in ({"graphs": False}, {"threads": 2}, {"threads": 3}):
+        assert_same_bits(states(Simulation(scene, precision=precision, **options), *chunks), expected)
+
+
+@pytest.mark.parametrize(("dimension", "precision"), KINDS)
+def test_the_same_run_twice_gives_the_same_bits(dimension: int, precision: str) -> None:
+    first, second = (states(Simulation(everything(dimension), precision=precision), 150) for _ in range(2))
+    assert_same_bits(first, second)
+
+
+def test_bits_do_not_depend_on_how_a_run_is_cut_into_pieces() -> None:
+    whole, pieces = (Simulation(everything(2)) for _ in range(2))
+    whole.advance(150)
+    for steps in (0, 7, 40, 64, 39):
+        pieces.advance(steps)
+    assert_same_bits([whole.state_arrays()], [pieces.state_arrays()])
+
+
+@pytest.mark.parametrize(("dimension", "precision"), KINDS)
+def test_a_restored_run_continues_to_the_same_bits(dimension: int, precision: str) -> None:
+    """Restored while the bodies touch, the shaker swings, the hand draws and the list of candidates is not fresh."""
+    scene = everything(dimension)
+    simulation = Simulation(scene, precision=precision)
+    simulation.advance(50)
+    assert simulation.contact_forces.any()
+    saved = simulation.state_arrays()
+    kept = {name: values.copy() for name, values in saved.items()}
+    later = states(simulation, 45, 80)
+    assert_same_bits([saved], [kept])
+    for options in ({}, {"graphs": False}, {"threads": 2}):
+        restored = Simulation(scene, precision=precision, **options)
+        restored.advance(3)
+        restored.restore(saved)
+        assert (restored.step, restored.time) == (50, 50 * simulation.dt)
+        assert_same_bits([restored.state_arrays()], [saved])
+        assert restored.energy == energy_at(scene, precision, 50)
+        assert_same_bits(states(restored, 45, 80), later)
+
+
+def energy_at(scene: Scene, precision: str, steps: int) -> object:
+    """Energy of a run after some steps."""
+    simulation = Simulation(scene, precision=precision)
+    simulation.advance(steps)
+    return simulation.energy
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_single_precision_stays_near_double(dimension: int) -> None:
+    runs = [Simulation(everything(dimension), precision=precision) for precision in ("float64", "float32")]
+    for simulation in runs:
+        simulation.advance(150)
+    double, single = (simulation.displacements for simulation in runs)
+    np.testing.assert_allclose(single, double, atol=1e-4 * np.abs(double).max())
+    assert runs[1].energy.work == pytest.approx(runs[0].energy.work, rel=1e-3)
+
+
+def test_views_are_of_the_present_moment() -> None:
+    simulation = Simulation(scene_of(block(2, velocity=(1.0, 0.0)), duration=1.0))
+    at_rest = simulation.positions
+    np.testing.assert_array_equal(at_rest, simulation.particles.positions)
+    assert simulation.positions is at_rest
+    simulation.advance(10)
+    assert (simulation.step, simulation.time) == (10, 10 * simulation.dt)
+    np.testing.assert_allclose(simulation.positions - at_rest, [[simulation.time, 0.0]] * 12, atol=1e-17)
+    np.testing.assert_array_equal(simulation.positions, at_rest + simulation.displacements)
+
+
+def test_pressure_is_positive_where_a_body_is_squeezed() -> None:
+    press = Support(
+        name="press",
+        region=Box((0.011, 1.0), (0.015, 0.0)),
+        motion=TableMotion(times=np.array([0.0, 1e-3]), displacements=np.array([[0.0, 0.0], [-2e-3, 0.0]])),
+    )
+    wall = Support(name="wall", region=Box((0.011, 1.0), (-0.015, 0.0)))
+    simulation = Simulation(scene_of(block(2), supports=(press, wall)))
+    simulation.advance(round(1e-3 / simulation.dt))
+    assert (simulation.pressures > 0.0).all()
+    x = simulation.particles.positions[:, 0]
+    assert simulation.reactions[x > 0.01, 0].sum() < 0.0 < simulation.reactions[x < -0.01, 0].sum()
+
+
+class Recorder:
+    """Notes when it was called, and fails at a step if it is told to."""
+
+    def __init__(self, every: int, fails_at: int | None = None, error: type[BaseException] = RunError) -> None:
+        self.every, self._fails_at, self._error = every, fails_at, error
+        self.steps: list[int] = []
+        self.times: list[float] = []
+        self.closed = 0
+
+    def observe(self, view: View) -> None:
+        """Note the moment."""
+        assert self.closed == 0
+        self.steps.append(view.step)
+        self.times.append(view.time)
+        if view.step == self._fails_at:
+            raise self._error("enough")
+
+    def close(self) -> None:
+        """Count the calls."""
+        self.closed += 1
+
+
+def short_run(steps: int) -> Simulation:
+    """A run of so many steps."""
+    return Simulation(scene_of(block(2, velocity=(1.0, 0.0)), time_step=1e-6, duration=steps * 1e-6))
+
+
+def test_observers_are_called_at_the_start_on_their_grid_and_at_the_end() -> None:
+    simulation = short_run(100)
+    recorders = [Recorder(every) for every in (7, 30, 100, 1000)]
+    simulation.run(recorders)
+    assert [recorder.steps for recorder in recorders] == [
+        [*range(0, 100, 7), 100],
+        [0, 30, 60, 90, 100],
+        [0, 100],
+        [0, 100],
+    ]
+    assert recorders[1].times == pytest.approx([0.0, 30e-6, 60e-6, 90e-6, 100e-6])
+    assert [recorder.closed for recorder in recorders] == [1] * 4
+    assert simulation.step == simulation.total_steps == 100
+
+
+def test_observers_do_not_change_a_run() -> None:
+    alone, seen = short_run(100), short_run(100)
+    alone.run()
+    seen.run([Recorder(3), Recorder(11)])
+    assert_same_bits([alone.state_arrays()], [seen.state_arrays()])
+
+
+@pytest.mark.parametrize("error", [RunError, KeyboardInterrupt, ZeroDivisionError])
+@pytest.mark.parametrize("step", [0, 40])
+def test_observers_are_closed_after_a_failure(error: type[BaseException], step: int) -> None:
+    recorders = [Recorder(20), Recorder(20, fails_at=step, error=error)]
+    simulation = short_run(100)
+    with pytest.raises(error, match="enough"):
+        simulation.run(recorders)
+    assert simulation.step == step
+    assert [recorder.closed for recorder in recorders] == [1, 1]
+    assert recorders[0].steps[-1] == step
+
+
+def test_a_restored_run_goes_on_along_the_same_grid() -> None:
+    first = short_run(100)
+    first.advance(40)
+    second = short_run(100)
+    second.restore(first.state_arrays())
+    recorder = Recorder(30)
+    second.run([recorder])
+    assert recorder.steps == [60, 90, 100]
+
+
+@pytest.mark.parametrize(
+    ("options", "match"), [({"device": "cuda:99"}, "device: 'cuda:99' is not available"), ({"threads": 0}, "threads")]
+)
+def test_what_cannot_be_run_is_refused(options: dict, match: str) -> None:
+    with pytest.raises(InputError, match=match):
+        Simulation(scene_of(block(2)), **options)
+
+
+def test_compiling_is_said_before_it_is_done(monkeypatch: pytest.MonkeyPatch) -> None:
+    from warp_mps.core import device
+
+    said: list[str] = []
+    monkeypatch.setattr(device, "_is_cached", lambda *_: False)
+    announce: Callable[[str], None] = said.append
+    Simulation(scene_of(block(2)), announce=announce)
+    assert len(said) == 1
+    assert "compiling kernels for cpu" in said[0]
