@@ -172,19 +172,19 @@ class Simulation:
     @property
     def rotations(self) -> np.ndarray:
         """Rotation vectors [rad], shape [n, 1] in 2-D and [n, 3] in 3-D."""
-        from warp_mps.core.rotation import rotation_vectors
-
-        return self._once("q", lambda: rotation_vectors(self._host(self.solid.state.q)))
+        return self._once("q", self.solid.model.rotations)
 
     @property
     def angular_velocities(self) -> np.ndarray:
-        """Angular velocities [rad/s], shape [n, 1] in 2-D and [n, 3] in 3-D."""
-        return self._once("omega", lambda: self._host(self.solid.state.omega))
+        """Angular velocities of the particles' own rotation [rad/s], shape [n, 1] in 2-D and [n, 3] in 3-D."""
+        spins = self.solid.model.spins
+        none = np.zeros_like(self.particles.angular_velocities)
+        return self._once("omega", lambda: self._host(spins.omega) if spins else none)
 
     @property
     def pressures(self) -> np.ndarray:
         """Pressures [Pa], shape [n]."""
-        return self._once("p", lambda: self.solid.model.pressures(self.solid.state))
+        return self._once("p", self.solid.model.pressures)
 
     @property
     def contact_forces(self) -> np.ndarray:

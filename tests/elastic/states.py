@@ -13,7 +13,7 @@ from tests.scenes import random
 from warp_mps.core.device import open_device
 from warp_mps.core.kit import kit
 from warp_mps.core.rotation import identity_rotors
-from warp_mps.elastic.model import SpringModel
+from warp_mps.elastic.springs_model import SpringModel
 from warp_mps.elastic.state import ElasticState, initial_state
 from warp_mps.particles import Particles, fill_scene
 from warp_mps.scene import Scene
@@ -32,23 +32,23 @@ class Held:
         self.state.u.assign(displacements.astype(self.state.u.numpy().dtype))
         if rotors is None:
             rotors = identity_rotors(self.particles.count, self.particles.dimension)
-        self.state.q.assign(rotors.astype(self.state.q.numpy().dtype))
+        self.model.spins.q.assign(rotors.astype(self.model.spins.q.numpy().dtype))
         return self
 
     def loads(self) -> tuple[np.ndarray, np.ndarray]:
         """Elastic forces [N], shape [n, d], and torques [N m], shape [n, 1] in 2-D and [n, 3] in 3-D."""
-        self.model.launch_pressure(self.state, 0, self.particles.count)
-        self.model.launch_force(self.state, 0, self.particles.count)
-        return self.state.force.numpy().astype(float), self.state.torque.numpy().astype(float)
+        for _, launch in self.model.passes:
+            launch(self.state, 0, self.particles.count)
+        return self.state.force.numpy().astype(float), self.model.spins.torque.numpy().astype(float)
 
     def pressures(self) -> np.ndarray:
         """Pressures [Pa], shape [n]."""
-        self.model.launch_pressure(self.state, 0, self.particles.count)
-        return self.model.pressures(self.state)
+        self.loads()
+        return self.model.pressures()
 
     def energy(self) -> float:
         """Elastic energy [J]."""
-        energies = wp.zeros_like(self.state.pressure)
+        energies = wp.zeros_like(self.model.pressure)
         self.model.launch_energy(self.state, energies)
         return float(energies.numpy().astype(float).sum())
 
@@ -58,7 +58,7 @@ def hold(scene: Scene, precision: str = "float64") -> Held:
     device: Any = open_device("cpu")
     numbers = kit(scene.dimension, precision)
     particles = fill_scene(scene)
-    model = SpringModel(scene, particles, kit=numbers, device=device)
+    model = SpringModel(scene, particles, np.zeros(particles.count, bool), kit=numbers, device=device)
     return Held(particles, model, initial_state(particles, kit=numbers, device=device))
 
 

@@ -14,9 +14,10 @@ from warp_mps.elastic.energies import energy_kernels
 from warp_mps.elastic.loads import load_kernels
 from warp_mps.elastic.motion import motion_kernels
 from warp_mps.elastic.solid import declare_kernels
+from warp_mps.elastic.spin import spin_kernels
 from warp_mps.elastic.springs import spring_kernels
 
-FACTORIES = (spring_kernels, motion_kernels, load_kernels, contact_kernels, energy_kernels)
+FACTORIES = (spring_kernels, spin_kernels, motion_kernels, load_kernels, contact_kernels, energy_kernels)
 
 
 @pytest.mark.parametrize("precision", PRECISIONS)

@@ -14,7 +14,7 @@ CHUNK = 512
 @functools.cache
 def energy_kernels(kit: Kit) -> SimpleNamespace:
     """Kernels `particle_energies` and `chunk_sums`."""
-    real, vec, spin = kit.real, kit.vec, kit.spin
+    real, vec = kit.real, kit.vec
 
     @kit.kernel(METHOD)
     def particle_energies(
@@ -22,18 +22,16 @@ def energy_kernels(kit: Kit) -> SimpleNamespace:
         gravity: vec,
         reference: wp.array(dtype=vec),
         mass: wp.array(dtype=real),
-        inertia: wp.array(dtype=real),
         # State in:
         u: wp.array(dtype=vec),
         v: wp.array(dtype=vec),
-        omega: wp.array(dtype=spin),
         # Out:
         kinetic_out: wp.array(dtype=real),
         potential_out: wp.array(dtype=real),
     ):
-        """Kinetic energy, and potential energy measured from the reference position of each particle."""
+        """Kinetic energy of the translation, and potential energy from each reference position."""
         i = wp.tid()
-        kinetic_out[i] = real(0.5) * (mass[i] * wp.dot(v[i], v[i]) + inertia[i] * wp.dot(omega[i], omega[i]))
+        kinetic_out[i] = real(0.5) * mass[i] * wp.dot(v[i], v[i])
         potential_out[i] = -mass[i] * wp.dot(gravity, u[i])
 
     @kit.kernel(METHOD)

@@ -1,77 +1,56 @@
-"""The constants of the spring model for a given set of particles, and the launches that use them."""
+"""What an elastic model is, and which there are."""
 
-from typing import Any
+from collections.abc import Callable
+from typing import Any, Protocol
 
 import numpy as np
 import warp as wp
 
 from warp_mps.core.kit import Kit
-from warp_mps.core.neighbours import reference_neighbours
-from warp_mps.core.weights import lattice_number_density
-from warp_mps.elastic.material import lame_constants
-from warp_mps.elastic.springs import spring_kernels
+from warp_mps.elastic.spins import Spins
 from warp_mps.elastic.state import ElasticState
 from warp_mps.particles import Particles
 from warp_mps.scene import Scene
 
+# launches over a number of particles from a first one on
+Pass = Callable[[ElasticState, int, int], None]
 
-class SpringModel:
-    """The paper's model on a set of particles.
 
-    Attributes:
-        start: First pair of each particle, shape [n + 1].
-        index: Neighbour of each pair.
-        bond: Reference vector X_ij of each pair [m], shape [pairs, d].
-        area: d w_ij / |X_ij| of each pair, without 1/n [1/m].
-        stiffness: Spring stiffness k_ij of each pair [N/m].
-        bulk: V0 lambda / n^2 of each particle [N m].
-        number_density: What the operators of each particle are normalized by, n0 or n_i [-], shape [n].
-    """
+class ElasticModel(Protocol):
+    """The constants of a model for a set of particles, and the launches that use them."""
 
-    def __init__(self, scene: Scene, particles: Particles, *, kit: Kit, device: Any) -> None:
-        self.kernels = spring_kernels(kit)
-        self.device = device
-        d, n, radius = particles.dimension, particles.count, scene.elasticity.effective_radius
-        reach = radius * particles.spacings
-        self.start, self.index = reference_neighbours(particles.positions, particles.groups, reach, device=device)
-        lame = np.array([lame_constants(body.material, d, scene.plane) for body in scene.bodies])[particles.bodies]
-        self.volume = particles.spacings**d
+    @property
+    def spins(self) -> Spins | None:
+        """Rotation of the particles; None where the model gives them none."""
 
-        def double(values: np.ndarray) -> wp.array:
-            return wp.array(values, dtype=wp.float64, device=device)
+    @property
+    def index(self) -> wp.array:
+        """Neighbour of each pair."""
 
-        vec64 = wp.types.vector(length=d, dtype=wp.float64)
-        reference = wp.array(particles.positions, dtype=vec64, device=device)
-        places = [self.start, self.index, reference, double(reach)]
-        density = double(np.full(n, lattice_number_density(d, radius)))
-        if scene.elasticity.normalization == "particle":
-            wp.launch(self.kernels.number_density, n, places, [density], device=device)
-        # a particle without neighbours has no force to normalize
-        self.number_density = np.maximum(density.numpy(), 1e-12)
-        pairs = len(self.index)
-        self.bond = wp.empty(pairs, dtype=kit.vec, device=device)
-        self.area = wp.empty(pairs, dtype=kit.real, device=device)
-        self.stiffness = wp.empty(pairs, dtype=kit.real, device=device)
-        inputs = [*places, double(self.volume), double(lame[:, 1]), double(1.0 / self.number_density)]
-        wp.launch(self.kernels.bonds, n, inputs, [self.bond, self.area, self.stiffness], device=device)
-        bulk = self.volume * lame[:, 0] / self.number_density**2
-        self.bulk = wp.array(bulk, dtype=kit.real, device=device)
-
-    def launch_pressure(self, state: ElasticState, first: int, count: int) -> None:
-        """Volume change of `count` particles from `first` on."""
-        inputs = [first, self.start, self.index, self.bond, self.area, self.bulk, state.u, state.q]
-        wp.launch(self.kernels.pressure, count, inputs, [state.pressure], device=self.device)
-
-    def launch_force(self, state: ElasticState, first: int, count: int) -> None:
-        """Elastic force and torque of `count` particles from `first` on."""
-        inputs = [first, self.start, self.index, self.bond, self.area, self.stiffness, state.u, state.q, state.pressure]
-        wp.launch(self.kernels.force, count, inputs, [state.force, state.torque], device=self.device)
+    @property
+    def passes(self) -> list[tuple[str, Pass]]:
+        """What evaluates the forces, in order, each by name; a pass reads what the one before wrote."""
 
     def launch_energy(self, state: ElasticState, energy_out: wp.array) -> None:
         """Elastic energy of every particle [J]."""
-        inputs = [self.start, self.index, self.bond, self.area, self.stiffness, self.bulk, state.u, state.q]
-        wp.launch(self.kernels.energy, len(state.u), inputs, [energy_out], device=self.device)
 
-    def pressures(self, state: ElasticState) -> np.ndarray:
-        """Pressure p_i = -lambda (div u)_i of each particle (eq. 14) [Pa], shape [n]."""
-        return -state.pressure.numpy().astype(float) * self.number_density / self.volume
+    def pressures(self) -> np.ndarray:
+        """Pressures at the last evaluation of the forces [Pa], shape [n]."""
+
+    def rotations(self) -> np.ndarray:
+        """Rotation vectors [rad], shape [n, 1] in 2-D and [n, 3] in 3-D."""
+
+
+def make_model(scene: Scene, particles: Particles, held: np.ndarray, *, kit: Kit, device: Any) -> ElasticModel:
+    """The model that a scene names.
+
+    Args:
+        scene: The case.
+        particles: Its particles.
+        held: Whether the rotation of each particle is held, shape [n].
+        kit: Number types.
+        device: Warp device.
+    """
+    from warp_mps.elastic.springs_model import SpringModel
+
+    return SpringModel(scene, particles, held, kit=kit, device=device)

@@ -1,10 +1,9 @@
-"""The clockwork of a step: velocity Verlet in kick-drift-kick form, with supports, loads and damping.
+"""The clockwork of a step: velocity Verlet in kick-drift-kick form, with gravity and damping.
 
     v += dt/2 f/m,   u += dt v,   forces,   v += dt/2 f/m
 
-and the same for the rotation. The state is the displacement u = x - X, so that a strain of 1e-5 keeps its digits.
-A held axis has no inverse mass; a moving support then places its particles. The work of moving supports and of loads is
-summed by the trapezoidal rule, particle by particle.
+The state is the displacement u = x - X, so that a strain of 1e-5 keeps its digits. A held axis has no inverse mass; a
+moving support then places its particles.
 """
 
 import functools
@@ -13,7 +12,6 @@ from types import SimpleNamespace
 import warp as wp
 
 from warp_mps.core.kit import Kit
-from warp_mps.core.rotation import rotation_funcs
 
 METHOD = "elastic"
 
@@ -21,8 +19,7 @@ METHOD = "elastic"
 @functools.cache
 def motion_kernels(kit: Kit) -> SimpleNamespace:
     """Kernels `drift`, `kick`, `damp` and `tick`."""
-    real, vec, spin, rotor = kit.real, kit.vec, kit.spin, kit.rotor
-    advance = rotation_funcs(kit, METHOD).advance
+    real, vec = kit.real, kit.vec
 
     @kit.kernel(METHOD)
     def drift(
@@ -30,23 +27,16 @@ def motion_kernels(kit: Kit) -> SimpleNamespace:
         first: wp.int32,
         dt: real,
         inverse_mass: wp.array(dtype=vec),
-        inverse_inertia: wp.array(dtype=real),
         force: wp.array(dtype=vec),
-        torque: wp.array(dtype=spin),
         # State in and out:
         u: wp.array(dtype=vec),
         v: wp.array(dtype=vec),
-        q: wp.array(dtype=rotor),
-        omega: wp.array(dtype=spin),
     ):
         """Half a kick with the forces of the last step, then the whole move."""
         i = first + wp.tid()
         v_i = v[i] + real(0.5) * dt * wp.cw_mul(inverse_mass[i], force[i])
-        omega_i = omega[i] + (real(0.5) * dt * inverse_inertia[i]) * torque[i]
         v[i] = v_i
-        omega[i] = omega_i
         u[i] = u[i] + dt * v_i
-        q[i] = advance(q[i], omega_i, dt)
 
     @kit.kernel(METHOD)
     def kick(
@@ -56,31 +46,24 @@ def motion_kernels(kit: Kit) -> SimpleNamespace:
         gravity: vec,
         mass: wp.array(dtype=real),
         inverse_mass: wp.array(dtype=vec),
-        inverse_inertia: wp.array(dtype=real),
-        torque: wp.array(dtype=spin),
         # State in and out:
         force: wp.array(dtype=vec),
         v: wp.array(dtype=vec),
-        omega: wp.array(dtype=spin),
     ):
         """Add the weight, which completes the force, then the second half of the kick."""
         i = first + wp.tid()
         force_i = force[i] + mass[i] * gravity
         force[i] = force_i
         v[i] = v[i] + real(0.5) * dt * wp.cw_mul(inverse_mass[i], force_i)
-        omega[i] = omega[i] + (real(0.5) * dt * inverse_inertia[i]) * torque[i]
 
     @kit.kernel(METHOD)
     def damp(
         # Model:
         factor: real,
         mass: wp.array(dtype=real),
-        inertia: wp.array(dtype=real),
         inverse_mass: wp.array(dtype=vec),
-        inverse_inertia: wp.array(dtype=real),
         # State in and out:
         v: wp.array(dtype=vec),
-        omega: wp.array(dtype=spin),
         dissipated: wp.array(dtype=real),
     ):
         """Mass-proportional damping over half a step, exact: v *= exp(-damping dt/2); driven axes keep theirs."""
@@ -91,9 +74,6 @@ def motion_kernels(kit: Kit) -> SimpleNamespace:
             if inverse_mass[i][axis] > real(0.0):
                 loss += real(0.5) * mass[i] * v_i[axis] * v_i[axis]
                 v_i[axis] = factor * v_i[axis]
-        if inverse_inertia[i] > real(0.0):
-            loss += real(0.5) * inertia[i] * wp.dot(omega[i], omega[i])
-            omega[i] = factor * omega[i]
         v[i] = v_i
         dissipated[i] = dissipated[i] + (real(1.0) - factor * factor) * loss
 

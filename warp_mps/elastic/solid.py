@@ -15,9 +15,10 @@ from warp_mps.elastic.contact import contact_kernels
 from warp_mps.elastic.contacts import Contacts, needs_contact
 from warp_mps.elastic.energies import CHUNK, energy_kernels
 from warp_mps.elastic.loads import METHOD, load_kernels
-from warp_mps.elastic.model import SpringModel
+from warp_mps.elastic.model import make_model
 from warp_mps.elastic.motion import motion_kernels
 from warp_mps.elastic.outside import Outside
+from warp_mps.elastic.spin import spin_kernels
 from warp_mps.elastic.springs import spring_kernels
 from warp_mps.elastic.state import ElasticState, initial_state
 from warp_mps.energy import Energy
@@ -44,7 +45,7 @@ class Phase(NamedTuple):
 
 def declare_kernels(kit: Kit) -> list[str]:
     """Declare every kernel of a kit, so that each module is compiled once, and return the modules' names."""
-    for declare in (spring_kernels, motion_kernels, load_kernels, contact_kernels, energy_kernels):
+    for declare in (spring_kernels, spin_kernels, motion_kernels, load_kernels, contact_kernels, energy_kernels):
         declare(kit)
     # the reference neighbours are searched in double precision whatever the run's
     double = replace(kit, precision="float64")
@@ -63,22 +64,15 @@ class Solid:
         self._n = particles.count
         self._motion, self._sums = motion_kernels(kit), energy_kernels(kit)
         self.state: ElasticState = initial_state(particles, kit=kit, device=device)
-        self.model = SpringModel(scene, particles, kit=kit, device=device)
         self.outside = Outside(scene, particles, dt=dt, kit=kit, device=device)
+        self.model = make_model(scene, particles, self.outside.held_rotation, kit=kit, device=device)
         self.contacts = Contacts(scene, particles, kit=kit, device=device) if needs_contact(scene, particles) else None
         self._masses = particles.masses
         self._damping = scene.damping
         self._gravity = kit.vec(*scene.gravity) if len(scene.gravity) else kit.vec()
-        # a square or cube of side l0 (eq. 4)
-        inertia = particles.masses * particles.spacings**2 / 6.0
-        free = ~self.outside.held
-
-        def real(values: np.ndarray) -> wp.array:
-            return wp.array(values, dtype=kit.real, device=device)
-
-        self._mass, self._inertia = real(particles.masses), real(inertia)
-        self._inverse_mass = wp.array(free / particles.masses[:, None], dtype=kit.vec, device=device)
-        self._inverse_inertia = real(np.where(self.outside.held_rotation, 0.0, 1.0 / inertia))
+        self._mass = wp.array(particles.masses, dtype=kit.real, device=device)
+        inverse_mass = ~self.outside.held / particles.masses[:, None]
+        self._inverse_mass = wp.array(inverse_mass, dtype=kit.vec, device=device)
         self._reference = wp.array(particles.positions, dtype=kit.vec, device=device)
         self._values = wp.zeros((4, self._n), dtype=kit.real, device=device)
         self._chunks = wp.zeros((4, -(-self._n // CHUNK)), dtype=wp.float64, device=device)
@@ -90,8 +84,8 @@ class Solid:
         self.outside.drive(self.state, self._mass)
         if self.contacts:
             self.contacts.renew(self.state)
-        self.model.launch_pressure(self.state, 0, self._n)
-        self.model.launch_force(self.state, 0, self._n)
+        for _, launch in self.model.passes:
+            launch(self.state, 0, self._n)
         if self.contacts:
             self.contacts.launch_force(self.state)
         self.outside.push(self.state, self._mass)
@@ -115,19 +109,23 @@ class Solid:
 
     def _make_phases(self) -> list[Phase]:
         """The phases of a step, in order; what a scene does not have, it does not pay for."""
-        model, state, contacts = self.model, self.state, self.contacts
+        spins, state, contacts = self.model.spins, self.state, self.contacts
         phases = [Phase("drift", self._drift, splits=True)]
+        if spins:
+            phases.append(Phase("spin drift", functools.partial(spins.drift, self._dt), splits=True, follows=True))
         if self.outside.moving:
             phases.append(Phase("drive", lambda *_: self._drive()))
         if contacts:
             phases.append(Phase("contact search", lambda *_: contacts.locate(state)))
-        phases.append(Phase("pressure", functools.partial(model.launch_pressure, state), splits=True))
-        phases.append(Phase("force", functools.partial(model.launch_force, state), splits=True))
+        for name, launch in self.model.passes:
+            phases.append(Phase(name, functools.partial(launch, state), splits=True))
         if contacts:
             phases.append(Phase("contact", lambda *_: contacts.launch_force(state)))
         if self.outside.moving:
             phases.append(Phase("push", lambda *_: self.outside.push(state, self._mass)))
         phases.append(Phase("kick", functools.partial(self._kick, self._dt), splits=True, follows=True))
+        if spins:
+            phases.append(Phase("spin kick", functools.partial(spins.kick, self._dt), splits=True, follows=True))
         damp = [Phase("damp", lambda *_: self._damp())] if self._damping else []
         phases = [*damp, *phases, *damp]
         if self.outside.moving:
@@ -138,8 +136,10 @@ class Solid:
     def energy(self) -> Energy:
         """Energies of the present state."""
         state, values = self.state, self._values
-        inputs = [self._gravity, self._reference, self._mass, self._inertia, state.u, state.v, state.omega]
+        inputs = [self._gravity, self._reference, self._mass, state.u, state.v]
         wp.launch(self._sums.particle_energies, self._n, inputs, [values[0], values[1]], device=self._device)
+        if self.model.spins:
+            self.model.spins.add_kinetic(values[0])
         self.model.launch_energy(state, values[2])
         if self.contacts:
             self.contacts.launch_energy(state, values[3])
@@ -168,41 +168,41 @@ class Solid:
 
     def arrays(self) -> dict[str, np.ndarray]:
         """Everything that evolves, for a checkpoint."""
-        return {**self.state.arrays(), **self.outside.arrays()}
+        spins = self.model.spins.arrays() if self.model.spins else {}
+        return {**self.state.arrays(), **spins, **self.outside.arrays()}
 
     def assign(self, arrays: dict[str, np.ndarray]) -> None:
         """Continue from arrays that `arrays` gave."""
         self.state.assign(arrays)
         self.outside.assign(arrays)
+        if self.model.spins:
+            self.model.spins.assign(arrays)
+        # what a step makes anew, but a look at this moment needs already
+        self.model.passes[0][1](self.state, 0, self._n)
         if self.contacts:
             self.contacts.renew(self.state)
 
     def _drift(self, first: int, count: int) -> None:
-        state = self.state
-        inputs = [first, self._dt, self._inverse_mass, self._inverse_inertia, state.force, state.torque]
-        outputs = [state.u, state.v, state.q, state.omega]
-        wp.launch(self._motion.drift, count, inputs, outputs, device=self._device)
+        inputs = [first, self._dt, self._inverse_mass, self.state.force]
+        wp.launch(self._motion.drift, count, inputs, [self.state.u, self.state.v], device=self._device)
 
     def _drive(self) -> None:
         wp.launch(self._motion.tick, 1, [self.outside.steps], device=self._device)
         self.outside.drive(self.state, self._mass)
 
     def _kick(self, dt: float, first: int, count: int) -> None:
-        state = self.state
-        constants = [self._gravity, self._mass, self._inverse_mass, self._inverse_inertia]
-        outputs = [state.force, state.v, state.omega]
-        wp.launch(self._motion.kick, count, [first, dt, *constants, state.torque], outputs, device=self._device)
+        inputs = [first, dt, self._gravity, self._mass, self._inverse_mass]
+        wp.launch(self._motion.kick, count, inputs, [self.state.force, self.state.v], device=self._device)
 
     def _damp(self) -> None:
         factor = float(np.exp(-0.5 * self._damping * self._dt))
         state = self.state
-        inputs = [factor, self._mass, self._inertia, self._inverse_mass, self._inverse_inertia]
-        outputs = [state.v, state.omega, state.dissipated]
-        wp.launch(self._motion.damp, self._n, inputs, outputs, device=self._device)
+        inputs = [factor, self._mass, self._inverse_mass]
+        wp.launch(self._motion.damp, self._n, inputs, [state.v, state.dissipated], device=self._device)
+        if self.model.spins:
+            self.model.spins.damp(factor, state.dissipated)
 
     def _hold_still(self, particles: Particles) -> None:
         """Held particles start at rest; moving supports set their own velocity."""
         velocities = np.where(self.outside.held, 0.0, particles.velocities)
-        spins = np.where(self.outside.held_rotation[:, None], 0.0, particles.angular_velocities)
         self.state.v.assign(velocities.astype(self.state.v.numpy().dtype))
-        self.state.omega.assign(spins.astype(self.state.omega.numpy().dtype))

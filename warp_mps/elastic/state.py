@@ -1,4 +1,4 @@
-"""Everything of the elastic bodies that evolves, and so everything that a checkpoint holds."""
+"""What every elastic model evolves: displacements, velocities and forces; a model may add a state of its own."""
 
 from dataclasses import dataclass, fields
 from typing import Any
@@ -7,7 +7,6 @@ import numpy as np
 import warp as wp
 
 from warp_mps.core.kit import Kit
-from warp_mps.core.rotation import identity_rotors
 from warp_mps.particles import Particles
 
 
@@ -18,11 +17,7 @@ class ElasticState:
     Attributes:
         u:          Displacement x - X [m],                    vec [n]
         v:          Velocity [m/s],                            vec [n]
-        q:          Rotation, see `warp_mps.core.rotation`,    rotor [n]
-        omega:      Angular velocity [rad/s],                  spin [n]
         force:      Total force, supports excluded [N],        vec [n]
-        torque:     Torque [N m],                              spin [n]
-        pressure:   V0 lambda (div u)_i / n_i [N m],           real [n]
         contact:    Contact force [N],                         vec [n]
         driven:     Prescribed acceleration [m/s^2],           vec [n]
         dissipated: Energy taken out by damping so far [J],    real [n]
@@ -30,11 +25,7 @@ class ElasticState:
 
     u: wp.array
     v: wp.array
-    q: wp.array
-    omega: wp.array
     force: wp.array
-    torque: wp.array
-    pressure: wp.array
     contact: wp.array
     driven: wp.array
     dissipated: wp.array
@@ -59,11 +50,7 @@ def initial_state(particles: Particles, *, kit: Kit, device: Any) -> ElasticStat
     return ElasticState(
         u=zeros(kit.vec),
         v=wp.array(particles.velocities, dtype=kit.vec, device=device),
-        q=wp.array(identity_rotors(n, kit.dimension), dtype=kit.rotor, device=device),
-        omega=wp.array(particles.angular_velocities, dtype=kit.spin, device=device),
         force=zeros(kit.vec),
-        torque=zeros(kit.spin),
-        pressure=zeros(kit.real),
         contact=zeros(kit.vec),
         driven=zeros(kit.vec),
         dissipated=zeros(kit.real),

@@ -1,0 +1,79 @@
+"""Kernels of the particles' own rotation: the same velocity Verlet as for the translation."""
+
+import functools
+from types import SimpleNamespace
+
+import warp as wp
+
+from warp_mps.core.kit import Kit
+from warp_mps.core.rotation import rotation_funcs
+
+METHOD = "elastic"
+
+
+@functools.cache
+def spin_kernels(kit: Kit) -> SimpleNamespace:
+    """Kernels `drift`, `kick`, `damp` and `add_kinetic` of the rotation."""
+    real, spin, rotor = kit.real, kit.spin, kit.rotor
+    advance = rotation_funcs(kit, METHOD).advance
+
+    @kit.kernel(METHOD)
+    def drift(
+        # Model:
+        first: wp.int32,
+        dt: real,
+        inverse_inertia: wp.array(dtype=real),
+        torque: wp.array(dtype=spin),
+        # State in and out:
+        q: wp.array(dtype=rotor),
+        omega: wp.array(dtype=spin),
+    ):
+        i = first + wp.tid()
+        omega_i = omega[i] + (real(0.5) * dt * inverse_inertia[i]) * torque[i]
+        omega[i] = omega_i
+        q[i] = advance(q[i], omega_i, dt)
+
+    @kit.kernel(METHOD)
+    def kick(
+        # Model:
+        first: wp.int32,
+        dt: real,
+        inverse_inertia: wp.array(dtype=real),
+        torque: wp.array(dtype=spin),
+        # State in and out:
+        omega: wp.array(dtype=spin),
+    ):
+        i = first + wp.tid()
+        omega[i] = omega[i] + (real(0.5) * dt * inverse_inertia[i]) * torque[i]
+
+    @kit.kernel(METHOD)
+    def damp(
+        # Model:
+        factor: real,
+        inertia: wp.array(dtype=real),
+        inverse_inertia: wp.array(dtype=real),
+        # State in and out:
+        omega: wp.array(dtype=spin),
+        dissipated: wp.array(dtype=real),
+    ):
+        """Mass-proportional damping over half a step, as for the velocity."""
+        i = wp.tid()
+        if inverse_inertia[i] > real(0.0):
+            loss = real(0.5) * inertia[i] * wp.dot(omega[i], omega[i])
+            omega[i] = factor * omega[i]
+            dissipated[i] = dissipated[i] + (real(1.0) - factor * factor) * loss
+
+    @kit.kernel(METHOD)
+    def add_kinetic(
+        # Model:
+        inertia: wp.array(dtype=real),
+        # State in:
+        omega: wp.array(dtype=spin),
+        # Out:
+        kinetic_out: wp.array(dtype=real),
+    ):
+        """Add the kinetic energy of the rotation."""
+        i = wp.tid()
+        kinetic_out[i] = kinetic_out[i] + real(0.5) * inertia[i] * wp.dot(omega[i], omega[i])
+
+    return SimpleNamespace(drift=drift, kick=kick, damp=damp, add_kinetic=add_kinetic)
