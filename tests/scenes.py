@@ -10,6 +10,8 @@ from warp_mps.simulation import Simulation
 
 RUBBER = Material(1000.0, 1e7, 0.3)
 STEEL = Material(3000.0, 5e7, 0.1)
+SPRINGS = Elasticity(model="springs")
+HAMILTONIAN = Elasticity()
 LENGTH, THICKNESS = 0.16, 0.02
 
 
@@ -23,7 +25,7 @@ def beam(layers: int, *, nodes: bool = False, **scene: object) -> Scene:
     """
     shape = Box(size=(LENGTH, THICKNESS), center=(0.5 * LENGTH, 0.0))
     body = Body(name="beam", shape=shape, material=RUBBER, spacing=THICKNESS / layers, node_axes=(0,) if nodes else ())
-    return Scene(**{"bodies": (body,), "duration": 1.0, "plane": "stress", **scene})  # type: ignore[arg-type]
+    return Scene(**{"bodies": (body,), "duration": 1.0, "plane": "stress", "elasticity": SPRINGS, **scene})  # type: ignore[arg-type]
 
 
 def ends(reach: float = 1e-4) -> tuple[Box, Box]:
@@ -48,7 +50,7 @@ def bar(layers: int, **scene: object) -> Scene:
     body = Body(
         name="bar", shape=Box(size=(0.5, 0.05, 0.05)), material=Material(1000.0, 1e5, 0.3), spacing=0.05 / layers
     )
-    return Scene(**{"bodies": (body,), "duration": 1.0, "dimension": 3, **scene})  # type: ignore[arg-type]
+    return Scene(**{"bodies": (body,), "duration": 1.0, "dimension": 3, "elasticity": SPRINGS, **scene})  # type: ignore[arg-type]
 
 
 def block(dimension: int, cells: tuple[int, ...] = (4, 3, 2), *, material: Material = RUBBER, **fields: object) -> Body:
@@ -59,13 +61,14 @@ def block(dimension: int, cells: tuple[int, ...] = (4, 3, 2), *, material: Mater
 
 def scene_of(*bodies: Body, dimension: int = 2, duration: float = 0.1, **scene: object) -> Scene:
     """A scene of some bodies."""
-    return Scene(bodies=bodies, dimension=dimension, duration=duration, **scene)  # type: ignore[arg-type]
+    fields = {"bodies": bodies, "dimension": dimension, "duration": duration, "elasticity": SPRINGS, **scene}
+    return Scene(**fields)  # type: ignore[arg-type]
 
 
 def elasticities() -> list[Elasticity]:
     """Choices of the model that tests go through."""
     return [
-        Elasticity(effective_radius=radius, normalization=normalization)
+        Elasticity(model="springs", effective_radius=radius, normalization=normalization)
         for radius in (1.5, 2.1)
         for normalization in ("lattice", "particle")
     ]

@@ -85,7 +85,7 @@ def velocity_field(**fields: Any) -> dict[str, Any]:
 BROKEN: list[tuple[str, str, str, dict[str, Any]]] = [
     ("/World", "dimension", "must be 2 or 3", {"dimension": 1}),
     ("/World", "plane", "must be one of: strain, stress", {"plane": "both"}),
-    ("/World", "model", "must be one of: springs", {"elasticity": Elasticity(model="glass")}),
+    ("/World", "model", "must be one of: hamiltonian, springs", {"elasticity": Elasticity(model="glass")}),
     ("/World", "normalization", "must be one of: lattice, particle", {"elasticity": Elasticity(normalization="n")}),
     ("/World", "effective_radius", "between 1", {"elasticity": Elasticity(effective_radius=0.9)}),
     ("/World", "effective_radius", "between 1", {"elasticity": Elasticity(effective_radius=NAN)}),

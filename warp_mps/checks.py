@@ -57,6 +57,7 @@ def _scene_numbers(scene: Scene) -> None:
     _positive(scene.frame_rate, where, "frame_rate")
     _positive(scene.courant, where, "courant")
     _range(scene.elasticity.effective_radius, 1.1, 5.0, where, "effective_radius")
+    _range(scene.elasticity.control, 0.0, 10.0, where, "control")
     _range(scene.damping, 0.0, math.inf, where, "damping")
     if scene.sample_rate is not None:
         _positive(scene.sample_rate, where, "sample_rate")
@@ -99,7 +100,11 @@ def _material(material: Material, scene: Scene, body: str) -> None:
     where = material.path if material.path != "material" else body
     _positive(material.density, where, "density")
     _positive(material.youngs_modulus, where, "youngs_modulus")
-    plane_stress = scene.dimension == 2 and scene.plane == "stress"
+    _choice(material.law, sc.LAWS, where, "law")
+    linear = material.law == "st_venant_kirchhoff"
+    good = linear or scene.elasticity.model != "springs"
+    _require(good, where, "law", f"is {material.law!r}, which the springs model does not know; use hamiltonian")
+    plane_stress = scene.dimension == 2 and scene.plane == "stress" and linear
     upper = 1.0 if plane_stress else 0.5
     good = math.isfinite(material.poissons_ratio) and -1.0 < material.poissons_ratio < upper
     kind = "plane stress" if plane_stress else "plane strain" if scene.dimension == 2 else "3-D"

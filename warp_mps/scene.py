@@ -16,7 +16,8 @@ from warp_mps.shapes import Shape
 
 Vector = Sequence[float]
 
-ELASTIC_MODELS = ("springs",)
+ELASTIC_MODELS = ("hamiltonian", "springs")
+LAWS = ("st_venant_kirchhoff", "neo_hookean")
 NORMALIZATIONS = ("lattice", "particle")
 PLANE_MODELS = ("strain", "stress")
 CONTACTS = ("none", "bodies", "all")
@@ -44,18 +45,20 @@ MEASURES = (
 
 @dataclass(frozen=True)
 class Material:
-    """A linear elastic, isotropic material.
+    """An elastic, isotropic material.
 
     Attributes:
         density: Mass density rho [kg/m^3].
         youngs_modulus: Young's modulus E [Pa].
         poissons_ratio: Poisson's ratio nu [-]: -1 < nu < 0.5, and -1 < nu < 1 in plane stress.
+        law: How stress grows with large strain, one of `LAWS` (`warp_mps.elastic.laws` gives the formulas).
         path: Where it was described, for error messages.
     """
 
     density: float
     youngs_modulus: float
     poissons_ratio: float
+    law: str = "st_venant_kirchhoff"
     path: str = field(default="material", kw_only=True)
 
 
@@ -256,15 +259,17 @@ class Elasticity:
     """The elastic model and its choices, the same for every body of a scene.
 
     Attributes:
-        model: One of `ELASTIC_MODELS`.
+        model: ``hamiltonian``, accurate and for large strains, or ``springs``, the paper's.
         effective_radius: Effective radius r_e in units of the particle spacing [-].
-        normalization: What the operators are normalized by: ``lattice`` (n0 of a full lattice, as in eq. 14) or
-            ``particle`` (the particle's own n_i, as in eq. 6).
+        normalization: What the operators of ``springs`` are normalized by: ``lattice`` (n0 of a full lattice, as in
+            eq. 14) or ``particle`` (the particle's own n_i, as in eq. 6).
+        control: Strength with which ``hamiltonian`` resists zero-energy modes [-].
     """
 
-    model: str = "springs"
+    model: str = "hamiltonian"
     effective_radius: float = 1.5
     normalization: str = "lattice"
+    control: float = 0.5
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -9,15 +9,7 @@ import warp as wp
 
 from warp_mps.core.kit import PRECISIONS, kit
 from warp_mps.core.neighbours import neighbour_kernels
-from warp_mps.elastic.contact import contact_kernels
-from warp_mps.elastic.energies import energy_kernels
-from warp_mps.elastic.loads import load_kernels
-from warp_mps.elastic.motion import motion_kernels
-from warp_mps.elastic.solid import declare_kernels
-from warp_mps.elastic.spin import spin_kernels
-from warp_mps.elastic.springs import spring_kernels
-
-FACTORIES = (spring_kernels, spin_kernels, motion_kernels, load_kernels, contact_kernels, energy_kernels)
+from warp_mps.elastic.solid import KERNELS, declare_kernels
 
 
 @pytest.mark.parametrize("precision", PRECISIONS)
@@ -27,7 +19,7 @@ def test_every_kernel_compiles_for_cuda(dimension: int, precision: str, tmp_path
     for module in declare_kernels(numbers):
         wp.compile_aot_module(module, arch=80, module_dir=tmp_path, use_ptx=True)
     code = "".join(file.read_text() for file in tmp_path.glob("*.ptx"))
-    declared = [(make.__name__, name) for make in FACTORIES for name in vars(make(numbers))]
+    declared = [(make.__name__, name) for make in KERNELS for name in vars(make(numbers))]
     declared += [(neighbour_kernels.__name__, name) for name in vars(neighbour_kernels(kit(dimension)))]
     missing = [kernel for kernel in declared if ".entry {}__locals__{}_".format(*kernel) not in code]
     assert missing == []

@@ -27,7 +27,7 @@ def test_small_loads_are_the_matrix_times_the_motion(
     size = [0.03, 0.04, 0.02][:dimension]
     left = block(dimension, name="left", shape=Box(size, [-0.015, *rest]), bonded_to=("right",))
     right = block(dimension, name="right", shape=Box(size, [0.015, *rest]), material=STEEL)
-    elasticity = Elasticity(effective_radius=radius, normalization=normalization)
+    elasticity = Elasticity(model="springs", effective_radius=radius, normalization=normalization)
     scene = scene_of(left, right, dimension=dimension, plane=plane, elasticity=elasticity)
     held = hold(scene)
     spins = 2 * dimension - 3
@@ -81,7 +81,9 @@ def test_clamped_beam() -> None:
 @pytest.mark.parametrize("normalization", ["lattice", "particle"])
 @pytest.mark.parametrize("plane", ["stress", "strain"])
 def test_free_beam(plane: str, normalization: str, precision: str) -> None:
-    scene = beam(4, plane=plane, elasticity=Elasticity(effective_radius=2.1, normalization=normalization))
+    scene = beam(
+        4, plane=plane, elasticity=Elasticity(model="springs", effective_radius=2.1, normalization=normalization)
+    )
     particles = fill_scene(scene)
     check_mode(scene, particles, linear_system(scene, particles), rigid=3, precision=precision)
 

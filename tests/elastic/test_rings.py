@@ -27,7 +27,11 @@ def rings(radius: float) -> Scene:
         for name, side in (("left", 1.0), ("right", -1.0))
     )
     return Scene(
-        bodies=bodies, duration=0.09, plane="stress", time_step=1e-5, elasticity=Elasticity(effective_radius=radius)
+        bodies=bodies,
+        duration=0.09,
+        plane="stress",
+        time_step=1e-5,
+        elasticity=Elasticity(model="springs", effective_radius=radius),
     )
 
 

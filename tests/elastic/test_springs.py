@@ -16,7 +16,7 @@ from warp_mps.shapes import Box, Points
 PLANES = [(2, "strain"), (2, "stress"), (3, "strain")]
 
 
-def irregular(dimension: int, plane: str = "strain", elasticity: Elasticity = Elasticity()) -> Scene:
+def irregular(dimension: int, plane: str = "strain", elasticity: Elasticity = Elasticity(model="springs")) -> Scene:
     """Two bonded bodies of different materials, their particles off the lattice."""
     counts = (3, 3, 2)[:dimension]
     lines = [0.01 * np.arange(count) for count in counts]
@@ -77,7 +77,9 @@ def test_a_pair_by_hand() -> None:
     material = Material(1000.0, 1e7, 0.25)
     lame, two_mu = 4e6, 8e6
     n0 = 4 * 1.1 + 4 * (2.1 / np.sqrt(2) - 1) + 4 * 0.05
-    held = hold(scene_of(block(2, (2, 1), material=material), elasticity=Elasticity(effective_radius=2.1)))
+    held = hold(
+        scene_of(block(2, (2, 1), material=material), elasticity=Elasticity(model="springs", effective_radius=2.1))
+    )
     a, b = 1e-3, 2e-3
     forces, torques = held.put(np.array([[0.0, 0.0], [a, b]])).loads()
     x = np.array([0.01 + a, b])
@@ -130,7 +132,7 @@ def test_loads_add_up_to_nothing(dimension: int, elasticity: Elasticity) -> None
 @pytest.mark.parametrize(("dimension", "plane"), PLANES)
 def test_pressure_of_a_uniform_dilation(dimension: int, plane: str, normalization: str) -> None:
     """Inside a body, u = e x gives div u = e d and p = -lambda e d, exactly on a lattice."""
-    elasticity = Elasticity(effective_radius=2.1, normalization=normalization)
+    elasticity = Elasticity(model="springs", effective_radius=2.1, normalization=normalization)
     held = hold(scene_of(block(dimension, (7, 7, 7)), dimension=dimension, plane=plane, elasticity=elasticity))
     positions = held.particles.positions
     held.put(1e-3 * positions)

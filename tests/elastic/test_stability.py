@@ -21,7 +21,7 @@ def body_of(
     """A free body of so many particles along each axis."""
     shape = Box([0.01 * number for number in cells])
     body = Body(name="body", shape=shape, material=Material(1000.0, 1e6, nu), spacing=0.01)
-    elasticity = Elasticity(effective_radius=radius, normalization=normalization)
+    elasticity = Elasticity(model="springs", effective_radius=radius, normalization=normalization)
     return scene_of(body, dimension=len(cells), plane=plane, elasticity=elasticity, **scene)
 
 

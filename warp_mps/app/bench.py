@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import sys
 import time
 from collections.abc import Callable, Sequence
@@ -21,32 +22,40 @@ ROUNDS = 3
 
 
 def bench_solid(
-    sizes: Sequence[int], *, dimensions: Sequence[int], precisions: Sequence[str], device: str, threads: int = 1
+    sizes: Sequence[int],
+    *,
+    models: Sequence[str],
+    dimensions: Sequence[int],
+    precisions: Sequence[str],
+    device: str,
+    threads: int = 1,
 ) -> int:
-    """Measure an elastic block of each size, dimension and precision and print a table.
+    """Measure an elastic block of each model, size, dimension and precision and print a table.
 
     Args:
         sizes: Numbers of particles.
+        models: Elastic models.
         dimensions: 2, 3 or both.
         precisions: ``float64``, ``float32`` or both.
         device: Device to run on.
         threads: Threads on the CPU device.
     """
     table = Table(box=None, pad_edge=False, header_style="bold")
-    for column in ("", "particles", "neighbours", "precision", "us a step", "us a particle-step", "million a second"):
-        table.add_column(column, justify="right")
+    for column in ("model", "", "particles", "neighbours", "precision", "us a step", "us a particle-step", "million/s"):
+        table.add_column(column, justify="right", no_wrap=True)
     table.add_column("share of each kernel")
-    for dimension in dimensions:
-        for size in sizes:
-            for precision in precisions:
-                row = _measure(dimension, size, precision, device, threads)
-                if row is not None:
-                    table.add_row(*row)
+    for model, dimension, size, precision in itertools.product(models, dimensions, sizes, precisions):
+        scene = block(model, dimension, size)
+        if estimate(scene).memory > available_memory():
+            print(f"warp-mps: {size} particles in {dimension}-D do not fit into memory, left out", file=sys.stderr)
+            continue
+        print(f"warp-mps: {model}, {dimension}-D, {size} particles, {precision}", file=sys.stderr, flush=True)
+        table.add_row(model, *_measure(scene, precision, device, threads))
     console().print(table)
     return 0
 
 
-def block(dimension: int, size: int) -> Scene:
+def block(model: str, dimension: int, size: int) -> Scene:
     """A square or cubic block of about `size` particles, stretching and shrinking freely."""
     side = round(size ** (1.0 / dimension))
     material = Material(density=1000.0, youngs_modulus=1e6, poissons_ratio=0.3)
@@ -58,22 +67,17 @@ def block(dimension: int, size: int) -> Scene:
         angular_velocity=0.1 if dimension == 2 else (0.1, 0.2, 0.3),
     )
     # 12 neighbours in 2-D and 32 in 3-D, as other codes have them in the figures that they publish
-    elasticity = Elasticity(effective_radius=2.1)
+    elasticity = Elasticity(model=model, effective_radius=2.1)
     return Scene(name="bench", bodies=(body,), dimension=dimension, duration=1.0, elasticity=elasticity)
 
 
-def _measure(dimension: int, size: int, precision: str, device: str, threads: int) -> list[str] | None:
-    scene = block(dimension, size)
-    if estimate(scene).memory > available_memory():
-        print(f"warp-mps: {size} particles in {dimension}-D do not fit into memory, left out", file=sys.stderr)
-        return None
-    print(f"warp-mps: {dimension}-D, {size} particles, {precision}", file=sys.stderr, flush=True)
+def _measure(scene: Scene, precision: str, device: str, threads: int) -> list[str]:
     simulation = Simulation(scene, device=device, precision=precision, threads=threads)
     seconds = _seconds_a_step(simulation)
     count = simulation.particles.count
     neighbours = len(simulation.solid.model.index) / count
     return [
-        f"{dimension}-D",
+        f"{scene.dimension}-D",
         f"{count}",
         f"{neighbours:.1f}",
         precision,

@@ -15,6 +15,7 @@ from tyro.conf import OmitArgPrefixes, Positional, UseAppendAction, arg
 
 from warp_mps.errors import InputError, RunError
 
+MODELS: tuple[Literal["hamiltonian", "springs"], ...] = ("hamiltonian", "springs")
 PRECISIONS: tuple[Literal["float64", "float32"], ...] = ("float64", "float32")
 Case = Annotated[str, arg(metavar="CASE", help="Path of a stage, or the name of a shipped case (see list).")]
 Device = Annotated[str, arg(metavar="DEVICE", help="cpu, or a CUDA device such as cuda:0.")]
@@ -97,6 +98,7 @@ def bench(
     ),
     *,
     device: Device = "cpu",
+    models: Annotated[tuple[Literal["hamiltonian", "springs"], ...], arg(help="Elastic models.")] = MODELS,
     dimensions: Annotated[tuple[Literal[2, 3], ...], arg(help="Dimensions.")] = (2, 3),
     precisions: Annotated[tuple[Literal["float64", "float32"], ...], arg(help="Number types.")] = PRECISIONS,
     threads: Threads = 1,
@@ -106,7 +108,9 @@ def bench(
 
     if min(sizes, default=0) < 1:
         raise InputError("--sizes", "", f"is {sizes}, must be whole numbers from 1 on")
-    return bench_solid(sizes, dimensions=dimensions, precisions=precisions, device=device, threads=threads)
+    return bench_solid(
+        sizes, models=models, dimensions=dimensions, precisions=precisions, device=device, threads=threads
+    )
 
 
 COMMANDS: dict[str, Callable[..., int]] = {

@@ -22,7 +22,6 @@ import warp as wp
 from warp_mps.core.kit import Kit
 
 METHOD = "elastic"
-LAWS = ("st_venant_kirchhoff", "neo_hookean")
 # Newton steps for the stretch across the plane; the equation is nearly linear in its logarithm
 NEWTON_STEPS = 6
 

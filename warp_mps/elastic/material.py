@@ -26,6 +26,11 @@ def lame_constants(material: Material, dimension: int, plane: str) -> tuple[floa
     return lame, 0.5 * youngs / (1.0 + nu)
 
 
+def law_constants(material: Material, dimension: int, plane: str) -> tuple[float, float]:
+    """Lame's constants as the material's law takes them [Pa]: a neo-Hookean one finds plane stress by itself."""
+    return lame_constants(material, dimension, "strain" if material.law == "neo_hookean" else plane)
+
+
 def pressure_wave_speed(material: Material, dimension: int, plane: str) -> float:
     """Speed of pressure waves c_p = sqrt((lambda + 2 mu) / rho) [m/s]."""
     lame, mu = lame_constants(material, dimension, plane)
@@ -35,12 +40,18 @@ def pressure_wave_speed(material: Material, dimension: int, plane: str) -> float
 def stable_time_step(body: Body, scene: Scene) -> float:
     """Largest time step that is stable for small deformations of a body, 2 / omega_max [s].
 
-    A bound that holds for every lattice, Poisson's ratio and effective radius that was tried, and comes within 1 % of
-    the limit where nu = 0: omega_max^2 = (a mu + b lambda)/(rho l0^2). With n0 a = 24 is the rotation of single
-    particles against their neighbours, with an inertia of m l0^2/6; with n_i, particles at a surface are held more
-    stiffly.
+    omega_max^2 = (a mu + b lambda)/(rho l0^2) bounds every lattice, Poisson's ratio and effective radius that was tried.
+
+    - ``springs`` with n0: a = 24 is the rotation of single particles against their neighbours, with an inertia of
+      m l0^2/6, and the bound is within 1 % where nu = 0. With n_i, particles at a surface are held more stiffly.
+    - ``hamiltonian``: b = 4 d is the breathing of a block of two particles a side; a bounds what shears and controls.
     """
     lame, mu = lame_constants(body.material, scene.dimension, scene.plane)
-    d = scene.dimension
-    a, b = (24.0, d) if scene.elasticity.normalization == "lattice" else (20.0 * d, 4.0 * d**2)
+    d, elasticity = scene.dimension, scene.elasticity
+    if elasticity.model == "hamiltonian":
+        a, b = (8.0 + 9.0 * elasticity.control if d == 2 else 14.0 + 8.0 * elasticity.control), 4.0 * d
+    elif elasticity.normalization == "lattice":
+        a, b = 24.0, 1.0 * d
+    else:
+        a, b = 20.0 * d, 4.0 * d**2
     return 2.0 * body.spacing * math.sqrt(body.material.density / (a * mu + b * max(lame, 0.0)))

@@ -51,6 +51,9 @@ def make_model(scene: Scene, particles: Particles, held: np.ndarray, *, kit: Kit
         kit: Number types.
         device: Warp device.
     """
+    from warp_mps.elastic.hamiltonian_model import HamiltonianModel
     from warp_mps.elastic.springs_model import SpringModel
 
+    if scene.elasticity.model == "hamiltonian":
+        return HamiltonianModel(scene, particles, kit=kit, device=device)
     return SpringModel(scene, particles, held, kit=kit, device=device)

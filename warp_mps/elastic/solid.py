@@ -14,6 +14,7 @@ from warp_mps.core.neighbours import neighbour_kernels
 from warp_mps.elastic.contact import contact_kernels
 from warp_mps.elastic.contacts import Contacts, needs_contact
 from warp_mps.elastic.energies import CHUNK, energy_kernels
+from warp_mps.elastic.hamiltonian import hamiltonian_kernels
 from warp_mps.elastic.loads import METHOD, load_kernels
 from warp_mps.elastic.model import make_model
 from warp_mps.elastic.motion import motion_kernels
@@ -24,6 +25,11 @@ from warp_mps.elastic.state import ElasticState, initial_state
 from warp_mps.energy import Energy
 from warp_mps.particles import Particles
 from warp_mps.scene import Scene
+
+KERNELS = (
+    *(spring_kernels, spin_kernels, hamiltonian_kernels),
+    *(motion_kernels, load_kernels, contact_kernels, energy_kernels),
+)
 
 
 class Phase(NamedTuple):
@@ -45,7 +51,7 @@ class Phase(NamedTuple):
 
 def declare_kernels(kit: Kit) -> list[str]:
     """Declare every kernel of a kit, so that each module is compiled once, and return the modules' names."""
-    for declare in (spring_kernels, spin_kernels, motion_kernels, load_kernels, contact_kernels, energy_kernels):
+    for declare in KERNELS:
         declare(kit)
     # the reference neighbours are searched in double precision whatever the run's
     double = replace(kit, precision="float64")

@@ -82,7 +82,9 @@ class _Reader:
             loads=tuple(self._load(prim) for prim in self.parts["load"]),
             probes=tuple(self._probe(prim) for prim in self.parts["probe"]),
             measurements=tuple(self._measurement(prim) for prim in self.parts["measurement"]),
-            elasticity=Elasticity(**values.fields("mps:elasticModel", "mps:effectiveRadius", "mps:normalization")),
+            elasticity=Elasticity(
+                **values.fields("mps:elasticModel", "mps:effectiveRadius", "mps:normalization", "mps:control")
+            ),
             contact=Contact(**{renamed[field]: value for field, value in contact.items()}),
             stage=self.frame.stage,
             path=values.path,
@@ -108,7 +110,7 @@ class _Reader:
             raise InputError(str(prim.GetPath()), "material:binding:physics", "is missing: bind a material to the body")
         values = self._values(bound.GetPrim(), "material")
         own = self._own_density(prim)
-        names = ("mps:youngsModulus", "mps:poissonsRatio", *(() if own else ("physics:density",)))
+        names = ("mps:youngsModulus", "mps:poissonsRatio", "mps:law", *(() if own else ("physics:density",)))
         return Material(path=values.path, **{**values.fields(*names), **own})
 
     def _own_density(self, prim: Usd.Prim) -> dict[str, float]:

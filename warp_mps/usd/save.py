@@ -99,6 +99,7 @@ class _Writer:
             "mps:damping": scene.damping,
             "mps:elasticModel": scene.elasticity.model,
             "mps:effectiveRadius": scene.elasticity.effective_radius,
+            "mps:control": scene.elasticity.control,
             "mps:normalization": scene.elasticity.normalization,
             "mps:contact": scene.contact.between,
             "mps:contactStiffness": scene.contact.stiffness,
@@ -133,7 +134,8 @@ class _Writer:
         shade = UsdShade.Material.Define(self.stage, path)
         density = material.density / self.frame.factor(TABLE["material"]["physics:density"])
         UsdPhysics.MaterialAPI.Apply(shade.GetPrim()).CreateDensityAttr(density)
-        values = {"mps:youngsModulus": material.youngs_modulus, "mps:poissonsRatio": material.poissons_ratio}
+        values: dict[str, Any] = {"mps:youngsModulus": material.youngs_modulus}
+        values |= {"mps:poissonsRatio": material.poissons_ratio, "mps:law": material.law}
         self._author(shade.GetPrim(), "material", values)
         return shade
 

@@ -1,0 +1,130 @@
+"""The constants of the Hamiltonian model for a given set of particles, and the launches that use them."""
+
+from typing import Any
+
+import numpy as np
+import warp as wp
+
+from warp_mps.checks import place
+from warp_mps.core.kit import Kit
+from warp_mps.core.neighbours import reference_neighbours
+from warp_mps.elastic.hamiltonian import hamiltonian_kernels
+from warp_mps.elastic.material import lame_constants, law_constants
+from warp_mps.elastic.model import Pass
+from warp_mps.elastic.state import ElasticState
+from warp_mps.errors import InputError
+from warp_mps.particles import Particles
+from warp_mps.scene import LAWS, Scene
+
+# det(d A_i / n_i) of a particle is 1 inside a lattice, about 0.4 in a corner, and 0 in a row of particles
+FLAT = 1e-6
+
+
+class HamiltonianModel:
+    """Hamiltonian MPS on a set of particles.
+
+    Attributes:
+        spins: None: particles have no rotation of their own.
+        start: First pair of each particle, shape [n + 1].
+        index: Neighbour of each pair.
+        bond: Reference vector X_ij of each pair [m], shape [pairs, d].
+        weight: Weight omega_ij of each pair [1/m^2].
+        gradient: Displacement gradient H_i [-], shape [n, d, d].
+        pull: B_i [N m], shape [n, d, d].
+    """
+
+    spins = None
+
+    def __init__(self, scene: Scene, particles: Particles, *, kit: Kit, device: Any) -> None:
+        self._kernels, self._device = hamiltonian_kernels(kit), device
+        n, d = particles.count, particles.dimension
+        reach = scene.elasticity.effective_radius * particles.spacings
+        self.start, self.index = reference_neighbours(particles.positions, particles.groups, reach, device=device)
+
+        def real(values: np.ndarray) -> wp.array:
+            return wp.array(values, dtype=kit.real, device=device)
+
+        self.bond = wp.empty(len(self.index), dtype=kit.vec, device=device)
+        self.weight = wp.empty(len(self.index), dtype=kit.real, device=device)
+        self._inverse_shape = wp.zeros(n, dtype=kit.mat, device=device)
+        density = self._set_up(scene, particles, reach)
+        lame, mu = np.array([law_constants(body.material, d, scene.plane) for body in scene.bodies])[particles.bodies].T
+        shear = np.array([lame_constants(body.material, d, scene.plane)[1] for body in scene.bodies])[particles.bodies]
+        volume = particles.spacings**d
+        laws = np.array([LAWS.index(body.material.law) for body in scene.bodies])[particles.bodies]
+        self._law = wp.array(laws, dtype=wp.int32, device=device)
+        self._plane_stress = int(d == 2 and scene.plane == "stress")
+        self._volume, self._lame, self._mu = real(volume), real(lame), real(mu)
+        self._kappa = real(scene.elasticity.control * volume * 2.0 * shear * d / density)
+        self.gradient = wp.zeros(n, dtype=kit.mat, device=device)
+        self.pull = wp.zeros(n, dtype=kit.mat, device=device)
+
+    @property
+    def passes(self) -> list[tuple[str, Pass]]:
+        """What evaluates the forces, in order: the stresses, then the forces."""
+        return [("stress", self._launch_stress), ("force", self._launch_force)]
+
+    def launch_energy(self, state: ElasticState, energy_out: wp.array) -> None:
+        """Elastic energy of every particle at the last evaluation of the stresses [J]."""
+        pairs = [self.start, self.index, self.bond, self.weight]
+        inputs = [*pairs, self._volume, self._kappa, *self._constants(), state.u, self.gradient]
+        wp.launch(self._kernels.energy, len(state.u), inputs, [energy_out], device=self._device)
+
+    def pressures(self) -> np.ndarray:
+        """Pressure -tr(sigma)/d of the Cauchy stress sigma = P F^T / J in the scene's dimensions [Pa], shape [n]."""
+        f = self.gradient.numpy().astype(float) + np.eye(self.gradient.numpy().shape[-1])
+        # B_i holds V P A^-1 - kappa H: the stress is had back from it
+        kappa_h = self._kappa.numpy()[:, None, None] * self.gradient.numpy()
+        shape = np.linalg.inv(self._inverse_shape.numpy().astype(float))
+        p = (self.pull.numpy() + kappa_h) @ shape / self._volume.numpy()[:, None, None]
+        return -np.einsum("nij,nij->n", p, f) / np.linalg.det(f) / f.shape[-1]
+
+    def rotations(self) -> np.ndarray:
+        """Rotation vectors of R in F = R U [rad], shape [n, 1] in 2-D and [n, 3] in 3-D."""
+        f = self.gradient.numpy().astype(float) + np.eye(self.gradient.numpy().shape[-1])
+        if f.shape[-1] == 2:
+            return np.arctan2(f[:, 1, 0] - f[:, 0, 1], f[:, 0, 0] + f[:, 1, 1])[:, None]
+        left, _, right = np.linalg.svd(f)
+        return _vectors(left @ right)
+
+    def _set_up(self, scene: Scene, particles: Particles, reach: np.ndarray) -> np.ndarray:
+        """Weights and shapes of the neighbourhoods; the number densities n_i."""
+        n, device = particles.count, self._device
+        vec64 = wp.types.vector(length=particles.dimension, dtype=wp.float64)
+        reference = wp.array(particles.positions, dtype=vec64, device=device)
+        radius = wp.array(reach, dtype=wp.float64, device=device)
+        density, condition = (wp.zeros(n, dtype=wp.float64, device=device) for _ in range(2))
+        outputs = [self.bond, self.weight, self._inverse_shape, density, condition]
+        wp.launch(self._kernels.shapes, n, [self.start, self.index, reference, radius], outputs, device=device)
+        flat = np.flatnonzero(condition.numpy() <= FLAT)
+        if len(flat):
+            body = scene.bodies[particles.bodies[flat[0]]]
+            at = ", ".join(f"{c:.6g}" for c in particles.positions[flat[0]])
+            reason = (
+                f"leaves the body one particle thick at ({at}) m; the hamiltonian model needs two, springs does not"
+            )
+            raise InputError(place(body, "body"), "spacing", reason)
+        return density.numpy()
+
+    def _launch_stress(self, state: ElasticState, first: int, count: int) -> None:
+        pairs = [first, self.start, self.index, self.bond, self.weight]
+        inputs = [*pairs, self._inverse_shape, self._volume, self._kappa, *self._constants(), state.u]
+        wp.launch(self._kernels.stress, count, inputs, [self.gradient, self.pull], device=self._device)
+
+    def _launch_force(self, state: ElasticState, first: int, count: int) -> None:
+        inputs = [first, self.start, self.index, self.bond, self.weight, self._kappa, state.u, self.pull]
+        wp.launch(self._kernels.force, count, inputs, [state.force], device=self._device)
+
+    def _constants(self) -> list[Any]:
+        return [self._law, self._lame, self._mu, self._plane_stress]
+
+
+def _vectors(matrices: np.ndarray) -> np.ndarray:
+    """Rotation vectors of rotation matrices, shape [n, 3]."""
+    trace = np.clip((np.trace(matrices, axis1=1, axis2=2) - 1.0) / 2.0, -1.0, 1.0)
+    angle = np.arccos(trace)
+    skew = matrices - np.swapaxes(matrices, 1, 2)
+    axial = 0.5 * np.stack((skew[:, 2, 1], skew[:, 0, 2], skew[:, 1, 0]), axis=1)
+    sine = np.linalg.norm(axial, axis=1)
+    # for small angles the axial vector is the rotation vector, and the arc cosine has lost its digits
+    return axial * np.where(sine > 1e-6, angle / np.maximum(sine, 1e-300), 1.0)[:, None]
