@@ -5,10 +5,11 @@ from __future__ import annotations
 import pytest
 
 from tests.scenes import RUBBER, block, scene_of
+from warp_mps.clock import Clock
 from warp_mps.elastic.material import pressure_wave_speed, stable_time_step
+from warp_mps.errors import InputError
 from warp_mps.scene import Contact, Material
 from warp_mps.shapes import Box
-from warp_mps.simulation import Clock
 
 CROSSING = 0.01 / pressure_wave_speed(RUBBER, 2, "strain")
 
@@ -66,3 +67,16 @@ def test_the_finest_and_stiffest_body_counts() -> None:
 def test_a_stiff_contact_shortens_the_step_and_a_soft_one_does_not() -> None:
     limits = [clock_of(contact=Contact(stiffness=value)).dt_limit for value in (0.1, 1.0, 4.0)]
     assert limits == pytest.approx([limits[1], limits[1], limits[1] / 2])
+
+
+@pytest.mark.parametrize(
+    ("fields", "attribute"),
+    [
+        ({"duration": 1e300}, "duration"),
+        ({"time_step": 1e-320}, "time_step"),
+        ({"frame_rate": 1e-310}, "frame_rate"),
+    ],
+)
+def test_numbers_that_make_no_steps_are_refused(fields: dict, attribute: str) -> None:
+    with pytest.raises(InputError, match=f"scene {attribute}: makes"):
+        clock_of(**fields)

@@ -7,14 +7,9 @@ from dataclasses import replace
 import pytest
 
 from tests.scenes import beam
-from warp_mps.cost import estimate, lattice_neighbours, refuse_too_large
+from warp_mps.cost import estimate, refuse_too_large
 from warp_mps.errors import InputError
 from warp_mps.simulation import Simulation
-
-
-@pytest.mark.parametrize(("dimension", "radius", "count"), [(2, 1.5, 8), (2, 2.1, 12), (3, 1.5, 18), (3, 2.1, 32)])
-def test_neighbours_inside_a_lattice(dimension: int, radius: float, count: int) -> None:
-    assert lattice_neighbours(dimension, radius) == count
 
 
 def test_the_estimate_is_what_the_run_then_has() -> None:
@@ -25,10 +20,9 @@ def test_the_estimate_is_what_the_run_then_has() -> None:
     assert cost.frames == 2
 
 
-def test_memory_grows_with_the_particles_and_is_refused_when_there_is_not_enough() -> None:
+def test_memory_is_refused_when_there_is_not_enough() -> None:
     scene = beam(4)
     fine = replace(scene, bodies=(replace(scene.bodies[0], spacing=1e-8),))
-    assert estimate(fine).memory > 1e12
     with pytest.raises(InputError, match=r"body 'beam' spacing: 1e-08 m makes 3.2e\+13 particles; the run needs about"):
-        refuse_too_large(fine, estimate(fine))
-    refuse_too_large(scene, estimate(scene))
+        refuse_too_large(fine)
+    refuse_too_large(scene)

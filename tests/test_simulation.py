@@ -2,10 +2,17 @@
 
 from __future__ import annotations
 
+import gc
+import os
+import signal
+import threading
 from collections.abc import Callable
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
+import warp as wp
 
 from tests.scenes import block, scene_of
 from warp_mps.errors import InputError, RunError
@@ -139,6 +146,62 @@ def test_single_precision_stays_near_double(dimension: int) -> None:
     assert runs[1].energy.work == pytest.approx(runs[0].energy.work, rel=1e-3)
 
 
+@pytest.mark.parametrize("options", [{}, {"graphs": False}, {"threads": 2}, {"threads": 3}])
+def test_an_interrupted_run_is_at_the_step_that_it_says_and_goes_on(options: dict) -> None:
+    scene = everything(2)
+    interrupted, clean = Simulation(scene, **options), Simulation(scene)
+    interrupted.advance(1)
+    saved = interrupted.state_arrays()
+    threading.Timer(0.05, os.kill, (os.getpid(), signal.SIGINT)).start()
+    with pytest.raises(KeyboardInterrupt):
+        interrupted.advance(10**9)
+    assert interrupted.step > 1
+    assert interrupted.step % BLOCK == 1
+    expected = states(clean, interrupted.step, 40)
+    assert_same_bits([interrupted.state_arrays(), *states(interrupted, 40)], expected)
+    again = Simulation(scene)
+    again.restore(saved)
+    interrupted.restore(saved)
+    assert_same_bits(states(interrupted, 64), states(again, 64))
+
+
+@pytest.mark.parametrize("in_main", [True, False])
+def test_a_run_goes_on_from_a_restored_state_after_a_failure_within_a_step(
+    in_main: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    launch, fails = wp.capture_launch, []
+
+    def failing_launch(graph: Any) -> None:
+        if fails and (threading.current_thread() is threading.main_thread()) is in_main:
+            raise fails.pop()
+        launch(graph)
+
+    monkeypatch.setattr(wp, "capture_launch", failing_launch)
+    simulation, clean = Simulation(everything(2), threads=3), Simulation(everything(2))
+    saved, *_ = states(simulation, 20)
+    fails.append(MemoryError("full"))
+    with pytest.raises(MemoryError, match="full"):
+        simulation.advance(BLOCK)
+    assert simulation.step == 20
+    with pytest.raises(RuntimeError, match="the threads have ended"):
+        simulation.advance(1)
+    simulation.restore(saved)
+    assert_same_bits(states(simulation, BLOCK, 8), states(clean, 20, BLOCK, 8)[1:])
+
+
+def test_threads_end_with_the_simulation() -> None:
+    before = set(threading.enumerate())
+    simulations = [Simulation(scene_of(block(2)), threads=3) for _ in range(3)]
+    simulations[0].advance(2)
+    started = set(threading.enumerate()) - before
+    assert len(started) == 6
+    simulations.clear()
+    gc.collect()
+    for thread in started:
+        thread.join(timeout=10.0)
+    assert not any(thread.is_alive() for thread in started)
+
+
 def test_views_are_of_the_present_moment() -> None:
     simulation = Simulation(scene_of(block(2, velocity=(1.0, 0.0)), duration=1.0))
     at_rest = simulation.positions
@@ -165,10 +228,16 @@ def test_pressure_is_positive_where_a_body_is_squeezed() -> None:
 
 
 class Recorder:
-    """Notes when it was called, and fails at a step if it is told to."""
+    """Notes when it was called, and fails at a step or when it is closed if it is told to."""
 
-    def __init__(self, every: int, fails_at: int | None = None, error: type[BaseException] = RunError) -> None:
-        self.every, self._fails_at, self._error = every, fails_at, error
+    def __init__(
+        self,
+        every: int,
+        fails_at: int | None = None,
+        error: type[BaseException] = RunError,
+        at_close: BaseException | None = None,
+    ) -> None:
+        self.every, self._fails_at, self._error, self._at_close = every, fails_at, error, at_close
         self.steps: list[int] = []
         self.times: list[float] = []
         self.closed = 0
@@ -184,6 +253,8 @@ class Recorder:
     def close(self) -> None:
         """Count the calls."""
         self.closed += 1
+        if self._at_close:
+            raise self._at_close
 
 
 def short_run(steps: int) -> Simulation:
@@ -225,6 +296,25 @@ def test_observers_are_closed_after_a_failure(error: type[BaseException], step: 
     assert recorders[0].steps[-1] == step
 
 
+@pytest.mark.parametrize(
+    ("fails_at", "expected", "match"),
+    [(20, RunError, "enough"), (None, OSError, "no space"), (100, RunError, "enough")],
+)
+def test_all_observers_are_closed_and_the_first_error_is_raised(
+    fails_at: int | None, expected: type[BaseException], match: str
+) -> None:
+    recorders = [
+        Recorder(20),
+        Recorder(20, at_close=OSError("no space")),
+        Recorder(20, fails_at=fails_at),
+        Recorder(20, at_close=KeyboardInterrupt("now")),
+        Recorder(20),
+    ]
+    with pytest.raises(expected, match=match):
+        short_run(100).run(recorders)
+    assert [recorder.closed for recorder in recorders] == [1] * 5
+
+
 def test_a_restored_run_goes_on_along_the_same_grid() -> None:
     first = short_run(100)
     first.advance(40)
@@ -236,11 +326,25 @@ def test_a_restored_run_goes_on_along_the_same_grid() -> None:
 
 
 @pytest.mark.parametrize(
-    ("options", "match"), [({"device": "cuda:99"}, "device: 'cuda:99' is not available"), ({"threads": 0}, "threads")]
+    ("options", "match"),
+    [
+        ({"device": "cuda:99"}, "device: 'cuda:99' is not available"),
+        ({"device": "cuda:99", "threads": 2}, "device: 'cuda:99' is not available"),
+        ({"threads": 0}, "threads: is 0, must be 1 or more"),
+        ({"precision": "float16"}, "precision: is 'float16', must be one of: float64, float32"),
+    ],
 )
 def test_what_cannot_be_run_is_refused(options: dict, match: str) -> None:
     with pytest.raises(InputError, match=match):
         Simulation(scene_of(block(2)), **options)
+
+
+def test_threads_are_refused_on_a_gpu(monkeypatch: pytest.MonkeyPatch) -> None:
+    from warp_mps.core import device
+
+    monkeypatch.setattr(device, "open_device", lambda _: SimpleNamespace(is_cpu=False))
+    with pytest.raises(InputError, match="threads: is 2 on cuda:0; threads are for the CPU device"):
+        Simulation(scene_of(block(2)), device="cuda:0", threads=2)
 
 
 def test_compiling_is_said_before_it_is_done(monkeypatch: pytest.MonkeyPatch) -> None:

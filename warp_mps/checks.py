@@ -26,6 +26,7 @@ def check_scene(scene: Scene) -> None:
         InputError: The first thing found that is not allowed.
     """
     _scene_numbers(scene)
+    _frame(scene)
     _require(len(scene.bodies) > 0, scene.path, "bodies", "there is no body to simulate")
     _unique(scene)
     for body in scene.bodies:
@@ -61,10 +62,22 @@ def _scene_numbers(scene: Scene) -> None:
     _range(scene.damping, 0.0, math.inf, where, "damping")
     if scene.sample_rate is not None:
         _positive(scene.sample_rate, where, "sample_rate")
+        ratio = scene.sample_rate / scene.frame_rate
+        good = ratio > 0.5 and abs(ratio - round(ratio)) < 1e-6 * ratio
+        reason = f"is {scene.sample_rate:g}, must be a whole multiple of the frame rate, {scene.frame_rate:g}"
+        _require(good, where, "sample_rate", reason)
     if scene.time_step is not None:
         _positive(scene.time_step, where, "time_step")
     if len(scene.gravity):
         _vector(scene.gravity, scene.dimension, where, "gravity")
+
+
+def _frame(scene: Scene) -> None:
+    frame = scene.frame
+    _choice(frame.axes, ("xyz",) if scene.dimension == 3 else ("xy", "xz", "yz"), scene.path, "stage.axes")
+    _choice(frame.up_axis, ("Y", "Z"), scene.path, "stage.up_axis")
+    _positive(frame.meters_per_unit, scene.path, "stage.meters_per_unit")
+    _positive(frame.kilograms_per_unit, scene.path, "stage.kilograms_per_unit")
 
 
 def _unique(scene: Scene) -> None:
@@ -84,6 +97,7 @@ def _unique(scene: Scene) -> None:
 
 def _body(scene: Scene, body: Body) -> None:
     where = place(body, "body")
+    _require(body.name.isidentifier(), where, "name", f"is {body.name!r}, must be letters, digits and _ as in a prim's")
     _material(body.material, scene, where)
     _positive(body.spacing, where, "spacing")
     if body.velocity is not None:
@@ -126,8 +140,8 @@ def _velocity_field(scene: Scene, body: Body) -> None:
 
 def _support(scene: Scene, support: Support) -> None:
     where = place(support, "support")
-    good = all(axis in range(scene.dimension) for axis in support.axes)
-    _require(good, where, "axes", f"must be axes of the scene's {scene.dimension} dimensions")
+    good = all(axis in range(scene.dimension) for axis in support.axes) and len({*support.axes}) == len(support.axes)
+    _require(good, where, "axes", f"must be different axes of the scene's {scene.dimension} dimensions")
     _names(support.bodies, scene, where, "bodies")
     motion = support.motion
     if isinstance(motion, sc.HarmonicMotion):

@@ -5,15 +5,14 @@ from __future__ import annotations
 import os
 from dataclasses import dataclass
 
-import numpy as np
-
+from warp_mps.clock import Clock
+from warp_mps.core.weights import lattice_neighbours
 from warp_mps.errors import InputError
 from warp_mps.particles import count_particles
 from warp_mps.scene import Scene
-from warp_mps.simulation import Clock
 
 # seconds a particle-step and neighbour on one CPU core, as the benchmark measures it (2-D, 3-D)
-SECONDS_PER_PAIR = {2: 12e-9, 3: 30e-9}
+SECONDS_PER_PAIR = {"springs": {2: 12e-9, 3: 28e-9}, "hamiltonian": {2: 7e-9, 3: 9e-9}}
 # bytes that a particle and a pair take at most (2-D, 3-D); a block of a million particles was measured to need 0.7 GB
 # in 2-D and 1.8 GB in 3-D, where these figures give 1.1 and 2.4
 BYTES_PER_PARTICLE = {2: 600, 3: 900}
@@ -53,40 +52,40 @@ def estimate(scene: Scene) -> Cost:
     particles = count_particles(scene)
     total = sum(particles.values())
     neighbours = lattice_neighbours(scene.dimension, scene.elasticity.effective_radius)
-    memory = float(total) * (BYTES_PER_PARTICLE[scene.dimension] + BYTES_PER_PAIR[scene.dimension] * neighbours)
     return Cost(
         particles=particles,
         neighbours=neighbours,
         dt=clock.dt,
         steps=clock.steps,
         frames=clock.steps // clock.frame_every + 1,
-        memory=memory,
-        seconds=total * clock.steps * neighbours * SECONDS_PER_PAIR[scene.dimension],
+        memory=memory_of(scene, total),
+        seconds=total * clock.steps * neighbours * SECONDS_PER_PAIR[scene.elasticity.model][scene.dimension],
     )
 
 
-def lattice_neighbours(dimension: int, effective_radius: float) -> int:
-    """Number of neighbours inside a lattice."""
-    reach = np.arange(-int(effective_radius) - 1, int(effective_radius) + 2)
-    squared = sum(axis**2 for axis in np.meshgrid(*[reach] * dimension))
-    return int(np.sum(squared < effective_radius**2)) - 1
+def memory_of(scene: Scene, particles: int) -> float:
+    """Memory that a run with so many particles needs at most [bytes]."""
+    d = scene.dimension
+    pairs = lattice_neighbours(d, scene.elasticity.effective_radius)
+    return float(particles) * (BYTES_PER_PARTICLE[d] + BYTES_PER_PAIR[d] * pairs)
 
 
-def refuse_too_large(scene: Scene, cost: Cost) -> None:
+def refuse_too_large(scene: Scene) -> None:
     """Refuse a run that needs more memory than there is, before any of it is taken.
 
     Raises:
         InputError: It does; the line names the largest body.
     """
-    available = available_memory()
-    if cost.memory > available:
-        name = max(cost.particles, key=lambda body: cost.particles[body])
+    particles, available = count_particles(scene), available_memory()
+    memory = memory_of(scene, sum(particles.values()))
+    if memory > available:
+        name = max(particles, key=lambda body: particles[body])
         body = next(body for body in scene.bodies if body.name == name)
         raise InputError(
             body.path or f"body '{name}'",
             "spacing",
-            f"{body.spacing:g} m makes {cost.particles[name]:.4g} particles; the run needs about "
-            f"{cost.memory / 2**30:.3g} GiB of memory and {available / 2**30:.3g} GiB are available",
+            f"{body.spacing:g} m makes {particles[name]:.4g} particles; the run needs about "
+            f"{memory / 2**30:.3g} GiB of memory and {available / 2**30:.3g} GiB are available",
         )
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import csv
-import os
+import io
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
@@ -11,6 +11,7 @@ import numpy as np
 
 from warp_mps.energy import ENERGY_NAMES, Energy
 from warp_mps.errors import InputError
+from warp_mps.files import write_whole
 
 TIME_LABEL = "time [s]"
 COMPONENTS = "xyz"
@@ -79,9 +80,11 @@ def read_history(path: str | Path) -> History:
     """
     try:
         text = Path(path).read_text(encoding="utf-8")
+        lines = list(csv.reader(text[: text.rfind("\n") + 1].splitlines()))
     except OSError as error:
         raise InputError(str(path), "", f"cannot be read: {error.strerror}") from error
-    lines = list(csv.reader(text[: text.rfind("\n") + 1].splitlines()))
+    except (UnicodeDecodeError, csv.Error) as error:
+        raise InputError(str(path), "", f"is damaged: {error}") from error
     if not lines or not lines[0] or lines[0][0] != TIME_LABEL:
         raise InputError(str(path), "", f"is not a table of probes: its first column must be {TIME_LABEL!r}")
     try:
@@ -95,12 +98,10 @@ def read_history(path: str | Path) -> History:
 
 def write_history(path: str | Path, history: History) -> None:
     """Write probes.csv as a whole, in one atomic step."""
-    temporary = Path(path).with_suffix(".new")
-    with temporary.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(history.labels)
-        writer.writerows(format_row(row) for row in history.rows)
-    os.replace(temporary, path)
+    lines = [history.labels, *(format_row(row) for row in history.rows)]
+    text = io.StringIO()
+    csv.writer(text, lineterminator="\n").writerows(lines)
+    write_whole(path, text.getvalue())
 
 
 def format_row(row: Sequence[float]) -> list[str]:

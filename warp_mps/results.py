@@ -5,13 +5,13 @@ from __future__ import annotations
 import dataclasses
 import json
 import math
-import os
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from warp_mps.energy import ENERGY_NAMES
 from warp_mps.errors import InputError
+from warp_mps.files import write_whole
 from warp_mps.history import History
 from warp_mps.measure import evaluate
 
@@ -36,10 +36,11 @@ class RunSummary:
         particles: Number of particles of each body.
         steps: Steps done.
         time: Simulated time [s].
-        wall_seconds: Wall time of the steps [s].
-        particle_steps_per_second: Speed [1/s], under ``solid`` and ``fluid``.
+        wall_seconds: Wall time of the steps since the start, or since the last time the run was resumed [s].
+        particle_steps_per_second: Speed over that time [1/s], under ``solid`` and ``fluid``.
         energy: Energies at the end and ``drift``; see :func:`energy_record`.
-        momentum_error: Momentum that came from nowhere, as a part of the momentum that was exchanged [-].
+        momentum_error: Largest resultant of the internal forces in a frame since then, as a part of the largest sum of
+            their magnitudes [-].
         measurements: Results; see :func:`measurement_rows`.
     """
 
@@ -62,10 +63,7 @@ class RunSummary:
     def write(self, path: str | Path) -> None:
         """Write run.json in one atomic step; a number that is not finite becomes null."""
         text = json.dumps(_finite(dataclasses.asdict(self)), indent=2, allow_nan=False)
-        temporary = Path(path).with_suffix(".new")
-        temporary.parent.mkdir(parents=True, exist_ok=True)
-        temporary.write_text(text + "\n", encoding="utf-8")
-        os.replace(temporary, path)
+        write_whole(path, text + "\n")
 
 
 def read_summary(path: str | Path) -> RunSummary:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import os
 import sys
@@ -13,7 +14,8 @@ from pathlib import Path
 import numpy as np
 
 from warp_mps import __version__
-from warp_mps.cost import estimate, refuse_too_large
+from warp_mps.clock import Clock
+from warp_mps.cost import refuse_too_large
 from warp_mps.errors import InputError, RunError
 from warp_mps.observers import checkpoint as checkpoint_file
 from warp_mps.observers.base import Observer
@@ -25,7 +27,7 @@ from warp_mps.observers.probes import ProbeRecorder
 from warp_mps.observers.progress import Progress
 from warp_mps.results import RunSummary, energy_record, measurement_rows
 from warp_mps.scene import Scene
-from warp_mps.simulation import Clock, Simulation
+from warp_mps.simulation import Simulation
 
 ANIMATION, PROBES, SUMMARY = "run.usdc", "probes.csv", "run.json"
 
@@ -62,7 +64,8 @@ def run_scene(
         KeyboardInterrupt: It was interrupted; likewise.
     """
     folder = Path(folder)
-    refuse_too_large(scene, estimate(scene))
+    if device == "cpu":
+        refuse_too_large(scene)
     checkpoint = _claim(folder, scene, precision, overwrite=overwrite, resume=resume)
     progress = Progress(every=1, quiet=quiet)
     announce = None if quiet else _say
@@ -72,8 +75,11 @@ def run_scene(
     simulation = Simulation(scene, device=device, precision=precision, threads=threads, announce=announce)
     if checkpoint is not None:
         simulation.restore(checkpoint.arrays)
+        if simulation.step > simulation.total_steps:
+            reason = f"its checkpoint is at {checkpoint.time:.6g} s, past the end of {scene.duration:.6g} s"
+            raise InputError(str(folder), "", f"cannot be resumed: {reason}")
     try:
-        run = _Run(simulation, folder, progress, None if checkpoint is None else checkpoint.time)
+        run = _Run(simulation, folder, progress, resumed=checkpoint is not None)
     except OSError as error:
         raise InputError(str(folder), "", f"cannot be written: {error.strerror}") from error
     return run.execute()
@@ -82,13 +88,24 @@ def run_scene(
 class _Run:
     """The observers of a run and its summary, kept up to date until the end."""
 
-    def __init__(self, simulation: Simulation, folder: Path, progress: Progress, after: float | None) -> None:
+    def __init__(self, simulation: Simulation, folder: Path, progress: Progress, *, resumed: bool) -> None:
         scene, particles, clock = simulation.scene, simulation.particles, simulation.clock
-        self._simulation, self._path = simulation, folder / SUMMARY
+        self._simulation, self._folder = simulation, folder
         progress.every = clock.sample_every
-        # probes are the only ones that can refuse the scene: they come before anything is written
-        self._probes = ProbeRecorder(folder / PROBES, scene, particles, every=clock.sample_every, resume_after=after)
-        if after is None:
+
+        def last_kept(every: int) -> float | None:
+            """Time up to which results stay: a run that was to end off the grid has one row and frame too many."""
+            return simulation.step // every * every * clock.dt if resumed else None
+
+        # probes are the only ones that can still refuse the scene: they come before anything is removed
+        self._probes = ProbeRecorder(
+            folder / PROBES,
+            scene,
+            particles,
+            every=clock.sample_every,
+            resume_after=last_kept(clock.sample_every),
+        )
+        if not resumed:
             _remove_results(folder)
         self._momentum = MomentumMonitor(every=clock.frame_every)
         self._observers: list[Observer] = [
@@ -102,7 +119,7 @@ class _Run:
                 particles,
                 every=clock.frame_every,
                 provenance=_provenance(simulation),
-                resume_after=after,
+                resume_after=last_kept(clock.frame_every),
             ),
             CheckpointWriter(folder, fingerprint(scene, simulation.precision), every=clock.frame_every),
             progress,
@@ -118,19 +135,34 @@ class _Run:
         )
 
     def execute(self) -> RunSummary:
-        """Run to the end, and say in run.json how it went, whatever happens."""
-        self._summary.write(self._path)
+        """Run to the end, and say in run.json how it went, whatever happens.
+
+        Raises:
+            RunError: The run had to be stopped, or a file can no longer be written.
+            KeyboardInterrupt: It was interrupted.
+        """
         begin, first = time.perf_counter(), self._simulation.step
         try:
+            self._summary.write(self._folder / SUMMARY)
             self._simulation.run(self._observers)
-        except RunError as error:
-            self._finish("failed", str(error), begin, first)
-            raise
+            self._finish("done", "", begin, first)
+        except OSError as error:
+            reason = f"{error.filename}: cannot be written: {error.strerror}"
+            self._give_up(reason, begin, first)
+            raise RunError(reason) from error
         except KeyboardInterrupt:
-            self._finish("failed", "interrupted; continue with --resume", begin, first)
+            kept = (self._folder / checkpoint_file.NAME).exists()
+            self._give_up("interrupted" + "; continue with --resume" * kept, begin, first)
             raise
-        self._finish("done", "", begin, first)
+        except BaseException as error:
+            self._give_up(str(error) if isinstance(error, RunError) else repr(error), begin, first)
+            raise
         return self._summary
+
+    def _give_up(self, reason: str, begin: float, first: int) -> None:
+        """Say why in run.json, if that can still be written: the first error counts."""
+        with contextlib.suppress(OSError):
+            self._finish("failed", reason, begin, first)
 
     def _finish(self, status: str, reason: str, begin: float, first: int) -> None:
         simulation, history = self._simulation, self._probes.history
@@ -148,7 +180,7 @@ class _Run:
             momentum_error=self._momentum.error,
             measurements=measurement_rows(simulation.scene, history),
         )
-        self._summary.write(self._path)
+        self._summary.write(self._folder / SUMMARY)
 
 
 def fingerprint(scene: Scene, precision: str) -> str:
@@ -211,5 +243,7 @@ def _refuse_unwritable(folder: Path) -> None:
     parent = folder
     while not parent.exists():
         parent = parent.parent
+    if not parent.is_dir():
+        raise InputError(str(folder), "", f"cannot be made: {parent} is a file")
     if not os.access(parent, os.W_OK | os.X_OK):
         raise InputError(str(folder), "", f"cannot be written: no permission in {parent}")

@@ -68,7 +68,7 @@ class VelocityField:
 
     s = (x - origin) . axis runs from 0 to `length`. The shapes are ``sine`` (sin(mode pi s / length)) and the
     bending modes of a uniform beam, ``free_free_beam`` and ``clamped_free_beam``, scaled to 1 at s = length
-    (Rao, Mechanical Vibrations, section 8.5).
+    (Rao, Mechanical Vibrations, section 8.5). Particles' own rotation, which the springs model has, starts at rest.
 
     Attributes:
         kind: One of `VELOCITY_FIELDS`.
@@ -198,7 +198,8 @@ class Probe:
     """A quantity recorded through the run: at a point, averaged over a region, of a body, or of a support.
 
     Exactly one of `point`, `region`, `body` and `support` is given; `PROBE_QUANTITIES` lists what each can record
-    (a region records what a point does).
+    (a region records what a point does). A rotation is that of a rotation vector: its angle lies between -pi and pi,
+    with the springs model in 2-D between -4 pi and 4 pi.
 
     Attributes:
         name: Name, the column of probes.csv.
@@ -320,10 +321,11 @@ class Scene:
         measurements: Numbers drawn from the probes, with their references.
         elasticity: The elastic model.
         contact: Contact between bodies.
-        damping: Mass-proportional damping: force -damping * m * v [1/s].
+        damping: Mass-proportional damping: force -damping * m * v, and likewise a torque where particles rotate [1/s].
         frame_rate: Saved frames per simulated second [1/s].
-        sample_rate: Rows of probes.csv per simulated second [1/s]; None is `frame_rate`.
-        time_step: Time step [s]; None derives it from `courant`.
+        sample_rate: Rows of probes.csv per simulated second, a multiple of `frame_rate` [1/s]; None is `frame_rate`.
+        time_step: Time step [s]; None derives it from `courant`. Frames and rows then come every so many whole steps,
+            as near to their rates as that allows.
         courant: Time step in units of l0 / c_p, c_p the speed of pressure waves [-].
         stage: How the scene lies in its stage; None is the x-y plane, or x, y, z in 3-D, of a stage in SI units.
         path: Where it was described, for error messages.

@@ -3,54 +3,22 @@
 from __future__ import annotations
 
 import functools
-import math
+import itertools
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from warp_mps.elastic.material import pressure_wave_speed, stable_time_step
+from warp_mps.clock import Clock
+from warp_mps.core.interrupts import hold_interrupts
 from warp_mps.energy import Energy
 from warp_mps.errors import InputError, RunError
+from warp_mps.observers.base import Observer, closing
 from warp_mps.particles import Particles, fill_scene
 from warp_mps.scene import Scene
 
-if TYPE_CHECKING:
-    from warp_mps.observers.base import Observer
-
 # steps in a graph that is replayed as one: long enough that the launch from Python does not count
 BLOCK = 32
-
-
-class Clock:
-    """Time step and schedule of a run.
-
-    Attributes:
-        dt: Time step [s].
-        steps: Number of steps of the run.
-        frame_every: Steps between saved frames.
-        sample_every: Steps between rows of probes.csv.
-        dt_limit: Largest time step that is stable for small deformations [s].
-    """
-
-    def __init__(self, scene: Scene) -> None:
-        crossing = min(
-            body.spacing / pressure_wave_speed(body.material, scene.dimension, scene.plane) for body in scene.bodies
-        )
-        # a contact as stiff as the material adds to the stiffness of the particles that touch
-        slower = math.sqrt(max(1.0, scene.contact.stiffness))
-        crossing /= slower
-        self.dt_limit = min(stable_time_step(body, scene) for body in scene.bodies) / slower
-        frame = 1.0 / scene.frame_rate
-        samples = max(1, round((scene.sample_rate or scene.frame_rate) / scene.frame_rate))
-        if scene.time_step is None:
-            self.sample_every = max(1, math.ceil(frame / samples / (scene.courant * crossing)))
-            self.dt = frame / (samples * self.sample_every)
-        else:
-            self.sample_every = max(1, round(frame / samples / scene.time_step))
-            self.dt = scene.time_step
-        self.frame_every = samples * self.sample_every
-        self.steps = max(1, math.ceil(scene.duration / self.dt - 1e-6))
 
 
 class Simulation:
@@ -64,11 +32,13 @@ class Simulation:
         device: ``cpu``, or a CUDA device such as ``cuda:0``.
         precision: ``float64`` or ``float32``.
         graphs: Whether steps are replayed as graphs; else every kernel is launched by itself, with the same result.
-        threads: CPU threads that share the particles, with the same result; worth it from some thousands on.
+        threads: Threads of the CPU device that share the particles, with the same result; worth it from some
+            thousands on.
         announce: Called with a message when kernels have to be compiled first.
 
     Raises:
-        InputError: The scene's bodies, supports or loads do not fit its particles, or there is no such device.
+        InputError: The scene's bodies, supports or loads do not fit its particles, or there is no such device or
+            precision, or the device takes no threads.
     """
 
     def __init__(
@@ -83,23 +53,28 @@ class Simulation:
     ) -> None:
         # Warp is imported with the first simulation, not with the package
         from warp_mps.core.device import load_modules, open_device
-        from warp_mps.core.kit import kit
+        from warp_mps.core.kit import PRECISIONS, kit
         from warp_mps.elastic.solid import Solid, declare_kernels
 
         if threads < 1:
             raise InputError("", "threads", f"is {threads}, must be 1 or more")
+        if precision not in PRECISIONS:
+            raise InputError("", "precision", f"is {precision!r}, must be one of: {', '.join(PRECISIONS)}")
+        self._device = open_device(device)
+        if threads > 1 and not self._device.is_cpu:
+            raise InputError("", "threads", f"is {threads} on {device}; threads are for the CPU device")
         self.scene = scene
         self.precision = precision
         self.clock = Clock(scene)
         self.particles: Particles = fill_scene(scene)
         self.step = 0
-        self._device = open_device(device)
         numbers = kit(scene.dimension, precision)
         load_modules(declare_kernels(numbers), self._device, announce)
         self.solid = Solid(scene, self.particles, dt=self.clock.dt, kit=numbers, device=self._device)
         self.solid.start()
         self._graphs: dict[int, Any] = {}
-        self._team = self._make_team(threads) if threads > 1 and self._device.is_cpu else None
+        self._threads = threads
+        self._team = self._make_team() if threads > 1 else None
         self._use_graphs = graphs
         self._seen: dict[str, Any] = {}
 
@@ -124,13 +99,19 @@ class Simulation:
         return self.clock.steps
 
     def advance(self, steps: int) -> None:
-        """Advance by a number of time steps."""
+        """Advance by a number of time steps.
+
+        An interrupt (Ctrl-C) takes effect between two blocks of steps, so that `step` is that of the state.
+
+        Raises:
+            RuntimeError: An earlier failure within a step has ended the threads; `restore` starts new ones.
+        """
         self._seen.clear()
-        for _ in range(steps // BLOCK):
-            self._replay(BLOCK)
-        for _ in range(steps % BLOCK):
-            self._replay(1)
-        self.step += steps
+        blocks, rest = divmod(steps, BLOCK)
+        for block in itertools.chain(itertools.repeat(BLOCK, blocks), itertools.repeat(1, rest)):
+            with hold_interrupts():
+                self._replay(block)
+                self.step += block
 
     def synchronize(self) -> None:
         """Wait for the device to finish what it was given."""
@@ -142,17 +123,14 @@ class Simulation:
         """Advance to the end, showing the run to observers on the way; they are closed whatever happens.
 
         Raises:
-            RunError: An observer has found that the run cannot go on.
+            RunError: The run cannot go on, as the simulation or an observer has found.
         """
-        try:
+        with closing(observers):
             self._show(observers)
             while self.step < self.total_steps:
                 due = min((o.every - self.step % o.every for o in observers), default=self.total_steps)
                 self.advance(min(due, self.total_steps - self.step))
                 self._show(observers)
-        finally:
-            for observer in observers:
-                observer.close()
 
     @property
     def displacements(self) -> np.ndarray:
@@ -212,6 +190,8 @@ class Simulation:
 
     def restore(self, arrays: dict[str, np.ndarray]) -> None:
         """Continue from arrays that `state_arrays` gave in a simulation of the same scene."""
+        if self._team and self._team.closed:
+            self._team = self._make_team()
         self._seen.clear()
         self.solid.assign(arrays)
         self.step = int(arrays["step"])
@@ -238,7 +218,7 @@ class Simulation:
                 launch()
         return capture.graph
 
-    def _make_team(self, threads: int) -> Any:
+    def _make_team(self) -> Any:
         """Threads with a graph each for every section of a step; sections that do not split are the first thread's."""
         import warp as wp
 
@@ -248,25 +228,25 @@ class Simulation:
             launches = [functools.partial(phase.launch, *share) for phase in section]
             return functools.partial(wp.capture_launch, self._capture(launches))
 
-        everything = [(0, self.particles.count)]
+        count, threads = self.particles.count, self._threads
         sections = [
-            [task(section, share) for share in (shares(self.particles.count, threads) if split else everything)]
+            [task(section, share) for share in (shares(count, threads) if section[0].splits else [(0, count)])]
             for section in self.solid.sections()
-            for split in [section[0].splits]
         ]
         return Team([tasks + [None] * (threads - len(tasks)) for tasks in sections], threads)
 
     def _show(self, observers: Sequence[Observer]) -> None:
-        last = self.step == self.total_steps
-        for observer in observers:
-            if last or self.step % observer.every == 0:
-                observer.observe(self)
         contacts = self.solid.contacts
+        # before the observers, so that nothing is recorded of a state that lacks contact forces
         if contacts and (particle := contacts.overflowed()) is not None:
             raise RunError(
                 f"particle {self.particles.ids[particle]} at t = {self.time:.6g} s meets more particles of other "
                 "bodies than a contact can hold: the bodies are crushed into each other; stiffen the contact"
             )
+        last = self.step == self.total_steps
+        for observer in observers:
+            if last or self.step % observer.every == 0:
+                observer.observe(self)
 
     def _once(self, name: str, evaluate: Callable[[], Any]) -> Any:
         if name not in self._seen:

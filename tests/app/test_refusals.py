@@ -71,7 +71,7 @@ def test_output_folders_that_cannot_be_used(tmp_path: Path, capsys: pytest.Captu
     blocked = tmp_path / "file"
     blocked.write_text("")
     assert "is a file; the output must be a folder" in refusal(capsys, "run", stage, "--out", str(blocked))
-    assert "cannot be written" in refusal(capsys, "run", stage, "--out", str(blocked / "below"), "--quiet")
+    assert "file is a file" in refusal(capsys, "run", stage, "--out", str(blocked / "below"), "--quiet")
     out = str(tmp_path / "out")
     assert main(["run", stage, "--out", out, "--quiet"]) == 0
     before = {path.name: path.read_bytes() for path in Path(out).iterdir()}

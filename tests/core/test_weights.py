@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from warp_mps.core.weights import lattice_number_density, weight
+from warp_mps.core.weights import lattice_neighbours, lattice_number_density, weight
 
 
 def test_weight_by_hand() -> None:
@@ -38,3 +38,10 @@ def test_number_density_of_a_short_radius(dimension: int, expected: float) -> No
 
 def test_neighbours_at_the_radius_weigh_nothing() -> None:
     assert lattice_number_density(2, 2.0) == pytest.approx(4 * 1.0 + 4 * (2 / math.sqrt(2) - 1), rel=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("dimension", "radius", "count"), [(2, 1.5, 8), (2, 2.0, 12), (2, 2.1, 12), (3, 1.5, 18), (3, 2.1, 32)]
+)
+def test_neighbours_inside_a_lattice(dimension: int, radius: float, count: int) -> None:
+    assert lattice_neighbours(dimension, radius) == count

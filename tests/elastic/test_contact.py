@@ -8,6 +8,7 @@ import pytest
 from tests.scenes import RUBBER, angular_momentum, block, scene_of
 from warp_mps.elastic import contacts
 from warp_mps.errors import RunError
+from warp_mps.observers.base import View
 from warp_mps.particles import Particles
 from warp_mps.scene import Body, Contact, Material, Scene
 from warp_mps.shapes import Box, Points
@@ -230,5 +231,33 @@ def mean_velocity(simulation: Simulation, particles: Particles) -> np.ndarray:
 def test_more_candidates_than_the_list_holds_end_the_run(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(contacts, "CANDIDATES", {2: 1, 3: 1})
     simulation = Simulation(colliding_blocks(2, duration=0.05))
+    first = simulation.state_arrays()
+    witness = Witness(simulation)
     with pytest.raises(RunError, match="meets more particles of other bodies than a contact can hold"):
-        simulation.run()
+        simulation.run([witness])
+    assert simulation.solid.contacts.overflowed() is not None
+    # nothing was shown of the state that is wrong
+    assert witness.steps == list(range(0, simulation.step, witness.every))
+    assert len(witness.steps) > 1
+    assert witness.overflows == [None] * len(witness.steps)
+    simulation.restore(first)
+    assert simulation.solid.contacts.overflowed() is None
+
+
+class Witness:
+    """Notes the steps that it is shown, and whether the contact of the simulation has overflowed."""
+
+    every = 10
+
+    def __init__(self, simulation: Simulation) -> None:
+        self._simulation = simulation
+        self.steps: list[int] = []
+        self.overflows: list[int | None] = []
+
+    def observe(self, view: View) -> None:
+        """Note the moment."""
+        self.steps.append(view.step)
+        self.overflows.append(self._simulation.solid.contacts.overflowed())
+
+    def close(self) -> None:
+        """Nothing is left open."""

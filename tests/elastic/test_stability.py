@@ -7,10 +7,11 @@ import pytest
 
 from tests.elastic.linear import linear_system
 from tests.scenes import random, scene_of
+from warp_mps.clock import Clock
 from warp_mps.particles import fill_scene
 from warp_mps.scene import Body, Elasticity, Material, Scene
 from warp_mps.shapes import Box
-from warp_mps.simulation import Clock, Simulation
+from warp_mps.simulation import Simulation
 
 SIZES = {2: ((24, 24), (24, 2), (24, 1), (2, 2)), 3: ((8, 8, 8), (8, 8, 1), (10, 1, 1), (2, 2, 2))}
 

@@ -11,7 +11,7 @@ from typing import Any
 from rich.table import Table
 
 from warp_mps.app.show import console
-from warp_mps.cost import available_memory, estimate
+from warp_mps.cost import available_memory, memory_of
 from warp_mps.scene import Body, Elasticity, Material, Scene
 from warp_mps.shapes import Box
 from warp_mps.simulation import Simulation
@@ -46,7 +46,7 @@ def bench_solid(
     table.add_column("share of each kernel")
     for model, dimension, size, precision in itertools.product(models, dimensions, sizes, precisions):
         scene = block(model, dimension, size)
-        if estimate(scene).memory > available_memory():
+        if memory_of(scene, size) > available_memory():
             print(f"warp-mps: {size} particles in {dimension}-D do not fit into memory, left out", file=sys.stderr)
             continue
         print(f"warp-mps: {model}, {dimension}-D, {size} particles, {precision}", file=sys.stderr, flush=True)

@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+import functools
 import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -62,16 +63,13 @@ def run(
 
     scene = _read(case, changes, duration)
     folder = out or Path("runs") / scene.name
-    summary = run_scene(
-        scene,
-        folder,
-        device=device,
-        precision=precision,
-        threads=threads,
-        overwrite=overwrite,
-        resume=resume,
-        quiet=quiet,
-    )
+    start = functools.partial(run_scene, scene, folder, device=device, precision=precision, threads=threads)
+    try:
+        summary = start(overwrite=overwrite, resume=resume, quiet=quiet)
+    except KeyboardInterrupt:
+        if (folder / "checkpoint.npz").exists():
+            return _fail("interrupted; what was computed is kept, continue with --resume", 130)
+        raise
     show_summary(summary, folder)
     return 0
 
@@ -134,7 +132,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except RunError as error:
         return _fail(str(error), 3)
     except KeyboardInterrupt:
-        return _fail("interrupted; what was computed is kept, continue with --resume", 130)
+        return _fail("interrupted", 130)
 
 
 def _dispatch(arguments: list[str]) -> Any:

@@ -11,10 +11,10 @@ from rich.console import Console
 from rich.table import Table
 
 from warp_mps.catalogue import shipped_cases
+from warp_mps.clock import Clock
 from warp_mps.cost import available_memory, estimate
 from warp_mps.results import RunSummary
 from warp_mps.scene import Scene
-from warp_mps.simulation import Clock
 
 WIDE = 200
 ROOM_FOR_SOURCES = 130
@@ -45,6 +45,8 @@ def show_check(scene: Scene) -> int:
     note = "" if clock.dt <= clock.dt_limit else f"  ABOVE THE LIMIT of {clock.dt_limit:.4g} s: will be unstable"
     table.add_row("time step", f"{cost.dt:.4g} s{note}")
     table.add_row("steps, frames", f"{cost.steps}, {cost.frames}")
+    rates = (1.0 / (every * clock.dt) for every in (clock.frame_every, clock.sample_every))
+    table.add_row("frames, rows of probes.csv a second", ", ".join(f"{rate:.6g}" for rate in rates))
     available = available_memory()
     note = "" if cost.memory <= available else "  TOO MUCH: will be refused"
     table.add_row("memory", f"{_bytes(cost.memory)} of {_bytes(available)} available{note}")

@@ -12,10 +12,9 @@ import numpy as np
 import warp as wp
 
 from warp_mps.core.kit import Kit, kit
+from warp_mps.core.weights import REACH_TOLERANCE
 
 METHOD = "neighbours"
-# a lattice places neighbours exactly at r_e: rounding must not decide who is one
-REACH_TOLERANCE = 1.0 + 1e-6
 
 
 @functools.cache

@@ -6,13 +6,17 @@ two sections all threads wait for each other, and within one no thread reads wha
 
 import itertools
 import threading
-from collections.abc import Callable, Sequence
+import weakref
+from collections.abc import Callable, Iterable, Sequence
+from queue import SimpleQueue
 
 Task = Callable[[], None]
+# how often to go through the sections, or None: to end
+Orders = SimpleQueue[int | None]
 
 
 class Team:
-    """Threads that go through the same sections side by side.
+    """Threads that go through the same sections side by side; they end with the team.
 
     Args:
         sections: For each section, a task for each thread; None where a thread has nothing to do.
@@ -20,31 +24,94 @@ class Team:
     """
 
     def __init__(self, sections: Sequence[Sequence[Task | None]], threads: int) -> None:
-        self._sections = sections
-        self._barrier = threading.Barrier(threads)
-        self._repetitions = 0
-        for number in range(1, threads):
-            # daemons, so that an interrupted program does not wait for them
-            threading.Thread(target=self._serve, args=(number,), daemon=True).start()
+        self._course = course = _Course(sections, threads)
+        self._orders: list[Orders] = [SimpleQueue() for _ in range(1, threads)]
+        # daemons, so that a program that ends does not wait for them; none of them may hold the team, see `_dismissal`
+        self._threads = [
+            threading.Thread(target=course.serve, args=(number, orders), daemon=True)
+            for number, orders in enumerate(self._orders, start=1)
+        ]
+        for thread in self._threads:
+            thread.start()
+        self._dismissal = weakref.finalize(self, _dismiss, self._orders)
+
+    @property
+    def closed(self) -> bool:
+        """Whether the threads have ended, by `close` or by a failure."""
+        return not self._dismissal.alive
 
     def run(self, repetitions: int) -> None:
-        """Go through all sections this many times."""
-        self._repetitions = repetitions
-        self._barrier.wait()
-        self._work(0)
+        """Go through all sections this many times.
 
-    def _serve(self, number: int) -> None:
-        while True:
-            self._barrier.wait()
-            self._work(number)
+        After an error, of whichever thread, or an interrupt no one knows who has done what: the team is closed.
 
-    def _work(self, number: int) -> None:
-        for _ in range(self._repetitions):
+        Raises:
+            RuntimeError: The team is closed.
+            BaseException: What a task has raised.
+        """
+        if self.closed:
+            raise RuntimeError("the threads have ended: they were closed, or one of them failed")
+        try:
+            for orders in self._orders:
+                orders.put(repetitions)
+            self._course.follow(0, repetitions)
+        except threading.BrokenBarrierError:
+            self.close()
+            raise self._course.failures[0] from None
+        except BaseException:
+            self.close()
+            raise
+
+    def close(self) -> None:
+        """End the threads, after the tasks that they are at."""
+        self._course.barrier.abort()
+        self._dismissal()
+        for thread in self._threads:
+            thread.join()
+
+
+class _Course:
+    """What the threads of a team share.
+
+    Attributes:
+        barrier: Where they wait for each other; broken once one of them has failed.
+        failures: What tasks have raised, in the threads that serve.
+    """
+
+    def __init__(self, sections: Sequence[Sequence[Task | None]], threads: int) -> None:
+        self.barrier = threading.Barrier(threads)
+        self.failures: list[BaseException] = []
+        self._sections = sections
+
+    def follow(self, number: int, repetitions: int) -> None:
+        """Go through all sections as one of the threads.
+
+        Raises:
+            BrokenBarrierError: Another thread has failed.
+        """
+        for _ in range(repetitions):
             for tasks in self._sections:
                 task = tasks[number]
                 if task is not None:
                     task()
-                self._barrier.wait()
+                self.barrier.wait()
+
+    def serve(self, number: int, orders: Orders) -> None:
+        """Follow orders until there are no more, or until a thread fails."""
+        try:
+            while (repetitions := orders.get()) is not None:
+                self.follow(number, repetitions)
+        except threading.BrokenBarrierError:
+            pass  # the thread that has failed says why
+        except BaseException as error:
+            self.failures.append(error)
+            self.barrier.abort()
+
+
+def _dismiss(teams_orders: Iterable[Orders]) -> None:
+    # a finalizer may come at any point of any thread, where a barrier could not be touched but a queue can
+    for orders in teams_orders:
+        orders.put(None)
 
 
 def shares(count: int, threads: int) -> list[tuple[int, int]]:

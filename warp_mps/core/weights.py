@@ -6,6 +6,9 @@ References:
 
 import numpy as np
 
+# a lattice places neighbours exactly at r_e: rounding must not decide who is one
+REACH_TOLERANCE = 1.0 + 1e-6
+
 
 def weight(r: np.ndarray, r_e: np.ndarray | float) -> np.ndarray:
     """Weight w(r) = r_e / r - 1 for r < r_e, else 0 (eq. 5) [-]."""
@@ -19,7 +22,22 @@ def lattice_number_density(dimension: int, effective_radius: float) -> float:
         dimension: 2 or 3.
         effective_radius: Effective radius in units of the spacing [-].
     """
+    return float(np.sum(weight(_lattice_distances(dimension, effective_radius), effective_radius)))
+
+
+def lattice_neighbours(dimension: int, effective_radius: float) -> int:
+    """Number of neighbours inside a full lattice, as the search finds them.
+
+    Args:
+        dimension: 2 or 3.
+        effective_radius: Effective radius in units of the spacing [-].
+    """
+    return int(np.sum(_lattice_distances(dimension, effective_radius) < effective_radius * REACH_TOLERANCE))
+
+
+def _lattice_distances(dimension: int, effective_radius: float) -> np.ndarray:
+    """Distances to all other points of a lattice about one of its points, in spacings."""
     reach = np.arange(-int(effective_radius) - 1, int(effective_radius) + 2)
     offsets = np.stack(np.meshgrid(*[reach] * dimension, indexing="ij"), axis=-1).reshape(-1, dimension)
     distances = np.linalg.norm(offsets, axis=1)
-    return float(np.sum(weight(distances[distances > 0.0], effective_radius)))
+    return distances[distances > 0.0]

@@ -6,7 +6,8 @@ import numpy as np
 import warp as wp
 
 from warp_mps.core.kit import Kit
-from warp_mps.core.neighbours import REACH_TOLERANCE, make_grid
+from warp_mps.core.neighbours import make_grid
+from warp_mps.core.weights import REACH_TOLERANCE
 from warp_mps.elastic.contact import CANDIDATES, SKIN, contact_kernels
 from warp_mps.elastic.state import ElasticState
 from warp_mps.particles import Particles
@@ -51,7 +52,8 @@ class Contacts:
         self._grid.reserve(n)
 
     def renew(self, state: ElasticState) -> None:
-        """List the candidates at the present positions, whether or not the list is stale."""
+        """List the candidates at the present positions, whether or not the list is stale; forget an overflow before."""
+        self._overflow.zero_()
         self._stale.fill_(1)
         self.locate(state)
 

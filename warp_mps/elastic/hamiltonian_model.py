@@ -8,6 +8,7 @@ import warp as wp
 from warp_mps.checks import place
 from warp_mps.core.kit import Kit
 from warp_mps.core.neighbours import reference_neighbours
+from warp_mps.core.rotation import rotation_vectors
 from warp_mps.elastic.hamiltonian import hamiltonian_kernels
 from warp_mps.elastic.material import lame_constants, law_constants
 from warp_mps.elastic.model import Pass
@@ -84,8 +85,7 @@ class HamiltonianModel:
         f = self.gradient.numpy().astype(float) + np.eye(self.gradient.numpy().shape[-1])
         if f.shape[-1] == 2:
             return np.arctan2(f[:, 1, 0] - f[:, 0, 1], f[:, 0, 0] + f[:, 1, 1])[:, None]
-        left, _, right = np.linalg.svd(f)
-        return _vectors(left @ right)
+        return rotation_vectors(_nearest_rotors(f))
 
     def _set_up(self, scene: Scene, particles: Particles, reach: np.ndarray) -> np.ndarray:
         """Weights and shapes of the neighbourhoods; the number densities n_i."""
@@ -119,12 +119,17 @@ class HamiltonianModel:
         return [self._law, self._lame, self._mu, self._plane_stress]
 
 
-def _vectors(matrices: np.ndarray) -> np.ndarray:
-    """Rotation vectors of rotation matrices, shape [n, 3]."""
-    trace = np.clip((np.trace(matrices, axis1=1, axis2=2) - 1.0) / 2.0, -1.0, 1.0)
-    angle = np.arccos(trace)
-    skew = matrices - np.swapaxes(matrices, 1, 2)
-    axial = 0.5 * np.stack((skew[:, 2, 1], skew[:, 0, 2], skew[:, 1, 0]), axis=1)
-    sine = np.linalg.norm(axial, axis=1)
-    # for small angles the axial vector is the rotation vector, and the arc cosine has lost its digits
-    return axial * np.where(sine > 1e-6, angle / np.maximum(sine, 1e-300), 1.0)[:, None]
+def _nearest_rotors(f: np.ndarray) -> np.ndarray:
+    """Unit quaternions of the rotation in the polar decomposition of each F, shape [n, 4].
+
+    It is the R with the largest R : F, a quadratic form of the quaternion; its best one is an eigenvector, as exact for
+    half a turn as for none.
+    """
+    trace = np.trace(f, axis1=1, axis2=2)
+    form = np.empty((len(f), 4, 4))
+    form[:, 0, 0] = trace
+    form[:, 0, 1:] = np.stack((f[:, 2, 1] - f[:, 1, 2], f[:, 0, 2] - f[:, 2, 0], f[:, 1, 0] - f[:, 0, 1]), axis=1)
+    form[:, 1:, 0] = form[:, 0, 1:]
+    form[:, 1:, 1:] = f + np.swapaxes(f, 1, 2) - trace[:, None, None] * np.eye(3)
+    _, vectors = np.linalg.eigh(form)
+    return vectors[:, :, -1]

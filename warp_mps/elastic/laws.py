@@ -24,6 +24,8 @@ from warp_mps.core.kit import Kit
 METHOD = "elastic"
 # Newton steps for the stretch across the plane; the equation is nearly linear in its logarithm
 NEWTON_STEPS = 6
+# terms of the series: enough for double precision up to 0.3
+TERMS = 12
 
 
 @functools.cache
@@ -33,19 +35,33 @@ def law_funcs(kit: Kit) -> SimpleNamespace:
     one, half, two = real(1.0), real(0.5), real(2.0)
 
     @kit.func(METHOD)
-    def volume_ratio_less_one(h: mat) -> real:
-        """det(I + H) - 1, without the cancellation."""
+    def volume_beyond_trace(h: mat) -> real:
+        """det(I + H) - 1 - tr H, without the cancellation."""
         minors = half * (wp.trace(h) * wp.trace(h) - wp.trace(h * h))
         if wp.static(kit.dimension == 2):
-            return wp.trace(h) + minors
-        return wp.trace(h) + minors + wp.determinant(h)
+            return minors
+        return minors + wp.determinant(h)
 
     @kit.func(METHOD)
-    def log_one_plus(x: real) -> real:
-        """ln(1 + x), by its series where the sum would lose the digits of x."""
-        if wp.abs(x) < real(1.0e-3):
-            return x * (one - x * (half - x * (real(1.0 / 3.0) - x * (real(0.25) - x * real(0.2)))))
-        return wp.log(one + x)
+    def log_defect(x: real) -> real:
+        """X - ln(1 + x), of second order in x: with z = x/(2 + x), x z - 2 (z^3/3 + z^5/5 + ...)."""
+        if wp.abs(x) > real(0.3):
+            return x - wp.log(one + x)
+        z = x / (two + x)
+        total = real(0.0)
+        for k in range(TERMS):
+            total = total * z * z + two / real(2 * TERMS + 1 - 2 * k)
+        return z * (x - z * z * total)
+
+    @kit.func(METHOD)
+    def exp_excess(x: real) -> real:
+        """exp(x) - 1 - x, of second order in x: x^2/2 (1 + x/3 (1 + x/4 (...)))."""
+        if wp.abs(x) > real(0.3):
+            return wp.exp(x) - one - x
+        total = one
+        for k in range(TERMS):
+            total = one + x * total / real(TERMS + 2 - k)
+        return half * x * x * total
 
     @kit.func(METHOD)
     def across(log_j: real, lame: real, mu: real, plane_stress: wp.int32) -> real:
@@ -53,8 +69,8 @@ def law_funcs(kit: Kit) -> SimpleNamespace:
         s = real(0.0)
         if plane_stress == 1:
             for _ in range(NEWTON_STEPS):
-                grown = wp.exp(two * s)
-                s -= (mu * (grown - one) + lame * (log_j + s)) / (two * mu * grown + lame)
+                grown = two * s + exp_excess(two * s)
+                s -= (mu * grown + lame * (log_j + s)) / (two * mu * (one + grown) + lame)
         return s
 
     @kit.func(METHOD)
@@ -65,7 +81,8 @@ def law_funcs(kit: Kit) -> SimpleNamespace:
             e = half * (h + wp.transpose(h) + wp.transpose(h) * h)
             s = two * mu * e + lame * wp.trace(e) * wp.identity(n=wp.static(kit.dimension), dtype=real)
             return f * s
-        log_j = log_one_plus(volume_ratio_less_one(h))
+        growth = wp.trace(h) + volume_beyond_trace(h)
+        log_j = growth - log_defect(growth)
         log_j += across(log_j, lame, mu, plane_stress)
         left = mu * (h + wp.transpose(h) + h * wp.transpose(h))
         left += lame * log_j * wp.identity(n=wp.static(kit.dimension), dtype=real)
@@ -77,10 +94,12 @@ def law_funcs(kit: Kit) -> SimpleNamespace:
         e = half * (h + wp.transpose(h) + wp.transpose(h) * h)
         if law == 0:
             return mu * wp.ddot(e, e) + half * lame * wp.trace(e) * wp.trace(e)
-        log_j = log_one_plus(volume_ratio_less_one(h))
+        beyond = volume_beyond_trace(h)
+        defect = log_defect(wp.trace(h) + beyond)
+        log_j = wp.trace(h) + beyond - defect
         s = across(log_j, lame, mu, plane_stress)
-        # tr C - d - 2 ln J, with the stretch across the plane; the differences of small numbers are formed first
-        strain = two * (wp.trace(e) - log_j) + (wp.exp(two * s) - one - two * s)
+        # tr C - d - 2 ln J, with the stretch across the plane: what is of first order has cancelled out
+        strain = wp.ddot(h, h) + two * (defect - beyond) + exp_excess(two * s)
         return half * mu * strain + half * lame * (log_j + s) * (log_j + s)
 
     return SimpleNamespace(stress=stress, energy_density=energy_density)

@@ -40,7 +40,8 @@ def pressure_wave_speed(material: Material, dimension: int, plane: str) -> float
 def stable_time_step(body: Body, scene: Scene) -> float:
     """Largest time step that is stable for small deformations of a body, 2 / omega_max [s].
 
-    omega_max^2 = (a mu + b lambda)/(rho l0^2) bounds every lattice, Poisson's ratio and effective radius that was tried.
+    omega_max^2 = (a mu + b lambda)/(rho l0^2) bounds every lattice, Poisson's ratio and effective radius that was
+    tried.
 
     - ``springs`` with n0: a = 24 is the rotation of single particles against their neighbours, with an inertia of
       m l0^2/6, and the bound is within 1 % where nu = 0. With n_i, particles at a surface are held more stiffly.

@@ -59,23 +59,25 @@ def motion_kernels(kit: Kit) -> SimpleNamespace:
     @kit.kernel(METHOD)
     def damp(
         # Model:
-        factor: real,
+        factor: wp.float64,
         mass: wp.array(dtype=real),
         inverse_mass: wp.array(dtype=vec),
         # State in and out:
         v: wp.array(dtype=vec),
-        dissipated: wp.array(dtype=real),
+        dissipated: wp.array(dtype=wp.float64),
     ):
         """Mass-proportional damping over half a step, exact: v *= exp(-damping dt/2); driven axes keep theirs."""
         i = wp.tid()
         v_i = v[i]
-        loss = real(0.0)
+        loss = wp.float64(0.0)
         for axis in range(wp.static(kit.dimension)):
             if inverse_mass[i][axis] > real(0.0):
-                loss += real(0.5) * mass[i] * v_i[axis] * v_i[axis]
-                v_i[axis] = factor * v_i[axis]
+                before = wp.float64(v_i[axis])
+                v_i[axis] = real(factor * before)
+                after = wp.float64(v_i[axis])
+                loss += wp.float64(0.5) * wp.float64(mass[i]) * (before - after) * (before + after)
         v[i] = v_i
-        dissipated[i] = dissipated[i] + (real(1.0) - factor * factor) * loss
+        dissipated[i] = dissipated[i] + loss
 
     @kit.kernel(METHOD)
     def tick(steps: wp.array(dtype=wp.int32)):

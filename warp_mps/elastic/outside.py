@@ -65,11 +65,11 @@ class Outside:
             outputs = [state.u, state.v, state.driven, agent.last, agent.work]
             self._launch(self._kernels.drive, agent, inputs, outputs)
 
-    def push(self, state: ElasticState, mass: wp.array) -> None:
-        """Add the forces of the loads."""
+    def push(self, force: wp.array, mass: wp.array) -> None:
+        """Add the present forces of the loads to the forces on the particles."""
         for agent in self._pushed:
             inputs = [agent.particles, self._dt, *agent.numbers, mass, self.steps]
-            self._launch(self._kernels.push, agent, inputs, [state.force])
+            self._launch(self._kernels.push, agent, inputs, [force])
 
     def account(self, state: ElasticState, mass: wp.array, dt: float) -> None:
         """Add the work of a step; with dt = 0 only note the power, which the next step needs."""
@@ -79,17 +79,6 @@ class Outside:
             # the load's value needs the time, so this kernel takes the true time step as well
             inputs = [agent.particles, self._dt, dt, *agent.numbers, mass, self.steps, state.v]
             self._launch(self._kernels.push_work, agent, inputs, [agent.last, agent.work])
-
-    def loads(self, masses: np.ndarray) -> np.ndarray:
-        """Present forces of the loads [N], shape [n, d]."""
-        forces = np.zeros(self.held.shape)
-        time = float(self.steps.numpy()[0]) * self._dt
-        for agent in self._pushed:
-            acceleration, frequency, phase = agent.numbers
-            factor = np.sin(2.0 * np.pi * frequency * time + phase) if frequency else 1.0
-            found = agent.particles.numpy()
-            forces[found] += factor * np.outer(masses[found], [float(a) for a in acceleration])
-        return forces
 
     def work(self) -> float:
         """Work done so far [J]."""
@@ -115,7 +104,7 @@ class Outside:
 
     def _hold(self, support: Support, particles: Particles, driven: np.ndarray) -> None:
         found = select_held(particles, support)
-        axes = np.array(support.axes or range(particles.dimension))
+        axes = np.array(sorted(support.axes) or range(particles.dimension))
         clamp = len(axes) == particles.dimension if support.hold_rotation is None else support.hold_rotation
         here = np.ix_(found, axes)
         if driven[here].any() or (support.motion is not None and self.held[here].any()):

@@ -94,7 +94,7 @@ class Solid:
             launch(self.state, 0, self._n)
         if self.contacts:
             self.contacts.launch_force(self.state)
-        self.outside.push(self.state, self._mass)
+        self.outside.push(self.state.force, self._mass)
         self._kick(0.0, 0, self._n)
         self.outside.account(self.state, self._mass, 0.0)
 
@@ -128,7 +128,7 @@ class Solid:
         if contacts:
             phases.append(Phase("contact", lambda *_: contacts.launch_force(state)))
         if self.outside.moving:
-            phases.append(Phase("push", lambda *_: self.outside.push(state, self._mass)))
+            phases.append(Phase("push", lambda *_: self.outside.push(state.force, self._mass)))
         phases.append(Phase("kick", functools.partial(self._kick, self._dt), splits=True, follows=True))
         if spins:
             phases.append(Phase("spin kick", functools.partial(spins.kick, self._dt), splits=True, follows=True))
@@ -170,7 +170,9 @@ class Solid:
     def internal_forces(self) -> np.ndarray:
         """Elastic and contact forces: the total force less weight and loads [N], shape [n, d]."""
         weight = np.outer(self._masses, [float(g) for g in self._gravity])
-        return self.state.force.numpy().astype(float) - weight - self.outside.loads(self._masses)
+        loads = wp.zeros_like(self.state.force)
+        self.outside.push(loads, self._mass)
+        return self.state.force.numpy().astype(float) - weight - loads.numpy()
 
     def arrays(self) -> dict[str, np.ndarray]:
         """Everything that evolves, for a checkpoint."""

@@ -49,19 +49,21 @@ def spin_kernels(kit: Kit) -> SimpleNamespace:
     @kit.kernel(METHOD)
     def damp(
         # Model:
-        factor: real,
+        factor: wp.float64,
         inertia: wp.array(dtype=real),
         inverse_inertia: wp.array(dtype=real),
         # State in and out:
         omega: wp.array(dtype=spin),
-        dissipated: wp.array(dtype=real),
+        dissipated: wp.array(dtype=wp.float64),
     ):
         """Mass-proportional damping over half a step, as for the velocity."""
         i = wp.tid()
         if inverse_inertia[i] > real(0.0):
-            loss = real(0.5) * inertia[i] * wp.dot(omega[i], omega[i])
-            omega[i] = factor * omega[i]
-            dissipated[i] = dissipated[i] + (real(1.0) - factor * factor) * loss
+            before = omega[i]
+            after = real(factor) * before
+            omega[i] = after
+            loss = real(0.5) * inertia[i] * wp.dot(before - after, before + after)
+            dissipated[i] = dissipated[i] + wp.float64(loss)
 
     @kit.kernel(METHOD)
     def add_kinetic(

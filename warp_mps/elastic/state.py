@@ -20,7 +20,7 @@ class ElasticState:
         force:      Total force, supports excluded [N],        vec [n]
         contact:    Contact force [N],                         vec [n]
         driven:     Prescribed acceleration [m/s^2],           vec [n]
-        dissipated: Energy taken out by damping so far [J],    real [n]
+        dissipated: Energy taken out by damping so far [J],    float64 [n]
     """
 
     u: wp.array
@@ -53,5 +53,5 @@ def initial_state(particles: Particles, *, kit: Kit, device: Any) -> ElasticStat
         force=zeros(kit.vec),
         contact=zeros(kit.vec),
         driven=zeros(kit.vec),
-        dissipated=zeros(kit.real),
+        dissipated=zeros(wp.float64),
     )

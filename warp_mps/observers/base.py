@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
@@ -99,3 +101,20 @@ class Observer(Protocol):
 
     def close(self) -> None:
         """Finish; called once, also after a failure or an interruption."""
+
+
+@contextlib.contextmanager
+def closing(observers: Sequence[Observer]) -> Iterator[None]:
+    """Close all observers at the end, whatever happens; of several errors the first is raised."""
+    errors: list[BaseException] = []
+    try:
+        yield
+    except BaseException as error:
+        errors.append(error)
+    for observer in observers:
+        try:
+            observer.close()
+        except BaseException as error:
+            errors.append(error)
+    if errors:
+        raise errors[0]

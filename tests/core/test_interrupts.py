@@ -1,0 +1,62 @@
+"""Interrupts are held, delivered and left alone."""
+
+from __future__ import annotations
+
+import signal
+import threading
+from collections.abc import Iterator
+
+import pytest
+
+from warp_mps.core.interrupts import hold_interrupts
+
+
+@pytest.fixture(autouse=True)
+def handler() -> Iterator[object]:
+    """The handler of interrupts, which every test must find again at its end."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    assert signal.signal(signal.SIGINT, before) is signal.default_int_handler
+
+
+def test_an_interrupt_comes_after_what_is_held() -> None:
+    done = []
+    with pytest.raises(KeyboardInterrupt), hold_interrupts():
+        for number in range(3):
+            signal.raise_signal(signal.SIGINT)
+            done.append(number)
+    assert done == [0, 1, 2]
+
+
+def test_without_an_interrupt_nothing_happens() -> None:
+    with hold_interrupts():
+        pass
+    with pytest.raises(KeyboardInterrupt):
+        signal.raise_signal(signal.SIGINT)
+
+
+def test_an_error_comes_before_the_interrupt() -> None:
+    with pytest.raises(ZeroDivisionError), hold_interrupts():
+        signal.raise_signal(signal.SIGINT)
+        raise ZeroDivisionError
+
+
+def test_interrupts_that_are_ignored_stay_so() -> None:
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    with hold_interrupts():
+        signal.raise_signal(signal.SIGINT)
+        assert signal.getsignal(signal.SIGINT) is signal.SIG_IGN
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+def test_threads_that_are_never_interrupted_hold_nothing() -> None:
+    found = []
+
+    def look() -> None:
+        with hold_interrupts():
+            found.append(signal.getsignal(signal.SIGINT))
+
+    thread = threading.Thread(target=look)
+    thread.start()
+    thread.join()
+    assert found == [signal.default_int_handler]

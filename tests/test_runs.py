@@ -1,0 +1,128 @@
+"""A run in a folder: continued, interrupted, and ended by errors of every kind."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tests.scenes import beam, ends
+from warp_mps.errors import InputError, RunError
+from warp_mps.history import read_history
+from warp_mps.observers.probes import ProbeRecorder
+from warp_mps.results import read_summary
+from warp_mps.runs import run_scene
+from warp_mps.scene import Elasticity, Probe, Scene, Support
+
+PROBE = Probe(name="tip", point=(0.15, 0.0))
+
+
+@pytest.fixture
+def scene() -> Scene:
+    """A cantilever that falls; frames every 1 ms, rows every 0.5 ms."""
+    clamp = Support(name="clamp", region=ends(0.006)[0])
+    return beam(
+        4,
+        supports=(clamp,),
+        probes=(PROBE,),
+        gravity=(0.0, -9.81),
+        duration=0.005,
+        frame_rate=1000.0,
+        sample_rate=2000.0,
+        elasticity=Elasticity(),
+    )
+
+
+def frames(folder: Path) -> dict[float, np.ndarray]:
+    """Points of every frame, by time code."""
+    from pxr import Usd
+
+    stage = Usd.Stage.Open(str(folder / "run.usdc"))
+    points = stage.GetPrimAtPath("/Result/beam").GetAttribute("points")
+    return {code: np.array(points.Get(code)) for code in points.GetTimeSamples()}
+
+
+@pytest.mark.parametrize("first", [0.002, 0.0023, 0.00271])
+def test_a_run_in_two_parts_is_the_run_in_one(scene: Scene, tmp_path: Path, first: float) -> None:
+    """Also where the first part ends off the grid of frames and rows, and so has one of each too many."""
+    whole, parts = tmp_path / "whole", tmp_path / "parts"
+    run_scene(scene, whole, quiet=True)
+    run_scene(replace(scene, duration=first), parts, quiet=True)
+    assert len(frames(parts)) < len(frames(whole))
+    run_scene(scene, parts, quiet=True, resume=True)
+    assert (whole / "probes.csv").read_text() == (parts / "probes.csv").read_text()
+    assert frames(whole).keys() == frames(parts).keys()
+    assert all(np.array_equal(points, frames(parts)[code]) for code, points in frames(whole).items())
+    assert read_summary(parts / "run.json").steps == read_summary(whole / "run.json").steps
+
+
+def test_a_run_is_not_resumed_to_before_its_checkpoint(scene: Scene, tmp_path: Path) -> None:
+    run_scene(scene, tmp_path, quiet=True)
+    with pytest.raises(InputError, match=r"cannot be resumed: its checkpoint is at 0\.005 s, past the end of 0\.002 s"):
+        run_scene(replace(scene, duration=0.002), tmp_path, quiet=True, resume=True)
+    assert read_summary(tmp_path / "run.json").status == "done"
+
+
+@pytest.mark.parametrize("damage", [b"\xff\xfe", b"time [s]\n1,2\n"])
+def test_damaged_rows_are_refused_on_resume(scene: Scene, tmp_path: Path, damage: bytes) -> None:
+    run_scene(scene, tmp_path, quiet=True)
+    (tmp_path / "probes.csv").write_bytes(damage)
+    with pytest.raises(InputError, match=r"probes\.csv: "):
+        run_scene(replace(scene, duration=0.01), tmp_path, quiet=True, resume=True)
+
+
+@pytest.mark.parametrize(
+    ("error", "raised", "reason"),
+    [
+        (RuntimeError("out of memory"), RuntimeError, "RuntimeError('out of memory')"),
+        (OSError(28, "No space left on device", "probes.csv"), RunError, "cannot be written: No space left on device"),
+        (RunError("stop"), RunError, "stop"),
+        (KeyboardInterrupt(), KeyboardInterrupt, "interrupted; continue with --resume"),
+    ],
+)
+def test_the_summary_says_how_a_run_ended(
+    scene: Scene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, error: BaseException, raised: type, reason: str
+) -> None:
+    observe = ProbeRecorder.observe
+
+    def break_later(self: ProbeRecorder, view: object) -> None:
+        observe(self, view)  # type: ignore[arg-type]
+        if len(self.history.rows) == 5:
+            raise error
+
+    monkeypatch.setattr(ProbeRecorder, "observe", break_later)
+    with pytest.raises(raised):
+        run_scene(scene, tmp_path, quiet=True)
+    summary = read_summary(tmp_path / "run.json")
+    assert summary.status == "failed"
+    assert reason in summary.reason
+    assert summary.steps > 0
+    assert read_history(tmp_path / "probes.csv").last_time > 0.0
+
+
+def test_overwriting_leaves_nothing_of_the_run_before(scene: Scene, tmp_path: Path) -> None:
+    run_scene(scene, tmp_path, quiet=True)
+    run_scene(replace(scene, duration=0.001), tmp_path, quiet=True, overwrite=True)
+    assert len(frames(tmp_path)) == 2
+    assert read_history(tmp_path / "probes.csv").last_time == pytest.approx(0.001)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["checkpoint.npz", "probes.csv", "run.json", "run.usdc"]
+
+
+def test_what_is_refused_leaves_no_folder_and_no_file(scene: Scene, tmp_path: Path) -> None:
+    outside = replace(scene, probes=(Probe(name="far", point=(9.0, 9.0)),))
+    with pytest.raises(InputError, match="lies outside every body"):
+        run_scene(outside, tmp_path / "new", quiet=True)
+    assert not (tmp_path / "new").exists()
+    run_scene(scene, tmp_path / "old", quiet=True)
+    before = {path.name: path.read_bytes() for path in (tmp_path / "old").iterdir()}
+    with pytest.raises(InputError, match="lies outside every body"):
+        run_scene(outside, tmp_path / "old", quiet=True, overwrite=True)
+    assert {path.name: path.read_bytes() for path in (tmp_path / "old").iterdir()} == before
+
+
+def test_a_resumed_run_must_be_of_the_same_case(scene: Scene, tmp_path: Path) -> None:
+    run_scene(replace(scene, duration=0.002), tmp_path, quiet=True)
+    with pytest.raises(InputError, match="checkpoint"):
+        run_scene(replace(scene, gravity=(0.0, -1.0)), tmp_path, quiet=True, resume=True)

@@ -1,0 +1,63 @@
+"""Time step and schedule of a run: frames and samples fall on whole steps."""
+
+from __future__ import annotations
+
+import math
+
+from warp_mps.elastic.material import pressure_wave_speed, stable_time_step
+from warp_mps.errors import InputError
+from warp_mps.scene import Scene
+
+# steps are counted in 32 bits on the device
+MOST_STEPS = 2**31 - 1
+SMALLEST_STEP = 1e-200
+
+
+class Clock:
+    """Time step and schedule of a run.
+
+    Attributes:
+        dt: Time step [s].
+        steps: Number of steps of the run.
+        frame_every: Steps between saved frames.
+        sample_every: Steps between rows of probes.csv.
+        dt_limit: Largest time step that is stable for small deformations, contact apart [s].
+
+    Raises:
+        InputError: The numbers make a step that is none, or more steps than can be counted.
+    """
+
+    def __init__(self, scene: Scene) -> None:
+        crossing = min(
+            body.spacing / pressure_wave_speed(body.material, scene.dimension, scene.plane) for body in scene.bodies
+        )
+        # a contact as stiff as the material adds to the stiffness of the particles that touch
+        slower = math.sqrt(max(1.0, scene.contact.stiffness))
+        crossing /= slower
+        self.dt_limit = min(stable_time_step(body, scene) for body in scene.bodies) / slower
+        frame = 1.0 / scene.frame_rate
+        samples = max(1, round((scene.sample_rate or scene.frame_rate) / scene.frame_rate))
+        if scene.time_step is None:
+            self.sample_every = max(
+                1, math.ceil(_count(scene, frame / samples, scene.courant * crossing, "frame_rate"))
+            )
+            self.dt = frame / (samples * self.sample_every)
+        else:
+            self.sample_every = max(1, round(_count(scene, frame / samples, scene.time_step, "time_step")))
+            self.dt = scene.time_step
+        self.frame_every = samples * self.sample_every
+        self.steps = max(1, math.ceil(_count(scene, scene.duration, self.dt, "duration") - 1e-6))
+
+
+def _count(scene: Scene, interval: float, step: float, attribute: str) -> float:
+    """How many steps make an interval, if that is a number that a run can count.
+
+    Raises:
+        InputError: It is not.
+    """
+    if step < SMALLEST_STEP:
+        raise InputError(scene.path, attribute, f"makes a time step of {step:.3g} s, too small to be one")
+    if interval / step > MOST_STEPS:
+        reason = f"makes {interval / step:.3g} steps of {step:.3g} s; at most {MOST_STEPS:.3g} can be counted"
+        raise InputError(scene.path, attribute, reason)
+    return interval / step
