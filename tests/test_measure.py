@@ -112,3 +112,10 @@ def test_fits_refuse_a_handful_of_samples(measure: str) -> None:
 def test_histories_that_determine_nothing_are_refused(measure: str, values: np.ndarray, message: str) -> None:
     with pytest.raises(ValueError, match=message):
         draw(measure, np.linspace(0.0, 1.0, 50), values)
+
+
+def test_the_middle_and_the_half_of_the_range() -> None:
+    times, values = np.array([0.0, 1.0, 2.0, 3.0]), np.array([9.0, -1.0, 4.0, 2.0])
+    options = {"name": "range", "probe": "tip", "start": 0.5}
+    assert evaluate(Measurement(measure="midrange", **options), times, values) == 1.5
+    assert evaluate(Measurement(measure="half_range", **options), times, values) == 2.5

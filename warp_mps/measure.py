@@ -10,6 +10,7 @@ y(t) is the chosen component of the probe between the measurement's start and en
 - ``offset``: C of that fit: what an oscillation goes around, whether or not the window holds whole periods.
 - ``mean``: 1/(t_m - t_1) times the integral of y, by the trapezoidal rule.
 - ``minimum``, ``maximum``: the least and the greatest y(t_k).
+- ``midrange``, ``half_range``: half of their sum, and of their difference.
 - ``final``: y(t_m).
 - ``restitution``: -y(t_m)/y(t_1), of a velocity component that reverses in an impact.
 - ``contact_time``: t_b - t_a, the first and last samples where abs(y) exceeds 1e-9 of its maximum.
@@ -133,6 +134,8 @@ _MEASURES: dict[str, Callable[[np.ndarray, np.ndarray], float]] = {
     "mean": _mean,
     "minimum": lambda times, values: float(values.min()),
     "maximum": lambda times, values: float(values.max()),
+    "midrange": lambda times, values: 0.5 * float(values.max() + values.min()),
+    "half_range": lambda times, values: 0.5 * float(values.max() - values.min()),
     "final": lambda times, values: float(values[-1]),
     "restitution": _restitution,
     "contact_time": _contact_time,

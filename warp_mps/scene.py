@@ -35,6 +35,8 @@ MEASURES = (
     "mean",
     "minimum",
     "maximum",
+    "midrange",
+    "half_range",
     "final",
     "restitution",
     "contact_time",

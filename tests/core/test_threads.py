@@ -77,7 +77,7 @@ def test_a_closed_team_has_no_threads_and_does_not_run(threads: list[threading.T
 def test_an_error_in_any_thread_is_raised_and_ends_them_all(
     threads: list[threading.Thread], error: type[BaseException], failing: int
 ) -> None:
-    """It comes in the second of three repetitions, in the midst of a section that others have left or not begun."""
+    """It comes in the second of three repetitions, which the others may or may not have begun."""
     done = [0, 0, 0]
 
     def task(number: int) -> None:
@@ -88,9 +88,10 @@ def test_an_error_in_any_thread_is_raised_and_ends_them_all(
     team = Team([[lambda n=n: task(n) for n in range(3)], [lambda: None] * 3], 3)
     with pytest.raises(error, match="enough"):
         team.run(3)
-    assert done == [2, 2, 2]
+    reached = list(done)
+    assert reached[failing] == max(reached) == 2
     assert team.closed
     assert not any(thread.is_alive() for thread in threads)
     with pytest.raises(RuntimeError, match="the threads have ended"):
         team.run(1)
-    assert done == [2, 2, 2]
+    assert done == reached

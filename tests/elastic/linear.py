@@ -69,9 +69,9 @@ def linear_system(scene: Scene, particles: Particles, held: np.ndarray | None = 
         held: Which freedoms are held, shape [n, d + 1] in 2-D and [n, 6] in 3-D; None holds none.
     """
     d, n = particles.dimension, particles.count
-    lame = np.array([_lame(body.material, scene) for body in scene.bodies])[particles.bodies]
+    lame = np.array([lame_of(body.material, scene) for body in scene.bodies])[particles.bodies]
     volume = particles.spacings**d
-    i, j, bond, w = _pairs(scene, particles)
+    i, j, bond, w = pairs_of(scene, particles)
     length = np.linalg.norm(bond, axis=1)
     density = _number_density(scene, particles, i, w)
     operators = _relative_displacements(bond, i, j, n)
@@ -89,14 +89,15 @@ def linear_system(scene: Scene, particles: Particles, held: np.ndarray | None = 
     return LinearSystem(stiffness.tocsr(), masses, free)
 
 
-def _lame(material, scene: Scene) -> tuple[float, float]:
+def lame_of(material, scene: Scene) -> tuple[float, float]:
+    """Lame's constants lambda and mu [Pa]."""
     youngs, nu = material.youngs_modulus, material.poissons_ratio
     if scene.dimension == 2 and scene.plane == "stress":
         return youngs * nu / (1 - nu**2), youngs / (2 * (1 + nu))
     return youngs * nu / ((1 + nu) * (1 - 2 * nu)), youngs / (2 * (1 + nu))
 
 
-def _pairs(scene: Scene, particles: Particles) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+def pairs_of(scene: Scene, particles: Particles) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Both directions of every pair of neighbours: i, j, X_ij and the weight."""
     radius = scene.elasticity.effective_radius * particles.spacings
     found = cKDTree(particles.positions).query_pairs(radius.max() * (1 + 1e-9), output_type="ndarray")

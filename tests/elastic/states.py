@@ -1,4 +1,4 @@
-"""A spring model and a state of its particles, without a simulation around them."""
+"""Models and a state of their particles, without a simulation around them."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from tests.scenes import random
 from warp_mps.core.device import open_device
 from warp_mps.core.kit import kit
 from warp_mps.core.rotation import identity_rotors
+from warp_mps.elastic.hamiltonian_model import HamiltonianModel
 from warp_mps.elastic.springs_model import SpringModel
 from warp_mps.elastic.state import ElasticState, initial_state
 from warp_mps.particles import Particles, fill_scene
@@ -74,3 +75,46 @@ def rigid_displacement(particles: Particles, rotation: np.ndarray, shift: float 
     """Displacements of a rotation about the origin [rad] and a shift of every component [m], shape [n, d]."""
     matrix = matrices_of(rotors_of(rotation[None]))[0]
     return particles.positions @ matrix.T - particles.positions + shift
+
+
+@dataclass(frozen=True)
+class Strained:
+    """A Hamiltonian model with its state, whose particles are put where the test wants them."""
+
+    particles: Particles
+    model: HamiltonianModel
+    state: ElasticState
+    number: Any
+
+    def put(self, displacements: np.ndarray) -> Strained:
+        """Displace the particles, and evaluate the forces."""
+        self.state.u.assign(displacements.astype(self.state.u.numpy().dtype))
+        for _, launch in self.model.passes:
+            launch(self.state, 0, self.particles.count)
+        return self
+
+    @property
+    def forces(self) -> np.ndarray:
+        """Elastic forces [N], shape [n, d]."""
+        return self.state.force.numpy().astype(float)
+
+    @property
+    def gradients(self) -> np.ndarray:
+        """Displacement gradients H [-], shape [n, d, d]."""
+        return self.model.gradient.numpy().astype(float)
+
+    @property
+    def energy(self) -> float:
+        """Elastic energy [J]."""
+        energies = wp.zeros(self.particles.count, dtype=self.number)
+        self.model.launch_energy(self.state, energies)
+        return float(energies.numpy().astype(float).sum())
+
+
+def strain(scene: Scene, precision: str = "float64") -> Strained:
+    """The Hamiltonian model of a scene on the CPU, at rest."""
+    device: Any = open_device("cpu")
+    numbers = kit(scene.dimension, precision)
+    particles = fill_scene(scene)
+    model = HamiltonianModel(scene, particles, kit=numbers, device=device)
+    return Strained(particles, model, initial_state(particles, kit=numbers, device=device), numbers.real)

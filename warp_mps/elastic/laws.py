@@ -94,12 +94,13 @@ def law_funcs(kit: Kit) -> SimpleNamespace:
         e = half * (h + wp.transpose(h) + wp.transpose(h) * h)
         if law == 0:
             return mu * wp.ddot(e, e) + half * lame * wp.trace(e) * wp.trace(e)
-        beyond = volume_beyond_trace(h)
-        defect = log_defect(wp.trace(h) + beyond)
-        log_j = wp.trace(h) + beyond - defect
+        # tr C - d - 2 ln J, with the stretch across the plane: what is of first order in C - I has cancelled out
+        c = two * e
+        beyond = volume_beyond_trace(c)
+        defect = log_defect(wp.trace(c) + beyond)
+        log_j = half * (wp.trace(c) + beyond - defect)
         s = across(log_j, lame, mu, plane_stress)
-        # tr C - d - 2 ln J, with the stretch across the plane: what is of first order has cancelled out
-        strain = wp.ddot(h, h) + two * (defect - beyond) + exp_excess(two * s)
+        strain = defect - beyond + exp_excess(two * s)
         return half * mu * strain + half * lame * (log_j + s) * (log_j + s)
 
     return SimpleNamespace(stress=stress, energy_density=energy_density)
