@@ -16,7 +16,14 @@ from warp_mps.usd.read import read_stage
 CASES = shipped_cases()
 PROMISED = (
     *("bar_3d", "beam_first_mode", "beam_first_mode_as_published", "beam_second_mode", "beam_second_mode_as_published"),
-    *("block_on_elastic_base", "mass_spring_forced", "mass_spring_free", "ring_collision", "ring_collision_gray"),
+    *(
+        "block_on_elastic_base",
+        "mass_spring_forced",
+        "mass_spring_free",
+        "ring_collision",
+        "ring_collision_gray",
+        "turek_csm3",
+    ),
 )
 
 
@@ -59,7 +66,9 @@ def test_stages_run_at_reduced_size(name: str, tmp_path: Path) -> None:
 
 
 def _coarser(name: str) -> float:
-    return 2.0 if name in ("bar_3d", "beam_first_mode", "beam_second_mode", "ring_collision_gray") else 1.0
+    return (
+        2.0 if name in ("bar_3d", "beam_first_mode", "beam_second_mode", "ring_collision_gray", "turek_csm3") else 1.0
+    )
 
 
 def _time_step(name: str) -> float | None:

@@ -49,6 +49,16 @@ TOLERANCES: dict[str, tuple[dict[str, float], float]] = {
         0.01,
     ),
     "block_on_elastic_base": ({}, 0.01),
+    "turek_csm3": (
+        {
+            "tip height, mean": 0.02,
+            "tip height, amplitude": 0.02,
+            "tip shift, mean": 0.02,
+            "tip shift, amplitude": 0.02,
+            "period": 0.01,
+        },
+        1e-6,
+    ),
     "bar_3d": ({"period": 0.005}, 1e-3),
 }
 
