@@ -75,16 +75,23 @@ def test_order_moves_every_quantity_along() -> None:
 
 
 def test_bonded_bodies_share_a_group_directly_or_through_others() -> None:
-    bonds = {"a": (), "b": ("c",), "c": (), "d": ("c",), "e": ("a",)}
+    bonds = {"a": (), "e": ("a",), "b": ("c",), "c": (), "d": ("c",)}
+    places = {"a": 0.0, "e": 0.04, "b": 1.0, "c": 1.04, "d": 1.08}
     bodies = [
-        block(2, name=name, shape=Box((0.04, 0.03), (0.1 * k, 0.0)), bonded_to=bond)
-        for k, (name, bond) in enumerate(bonds.items())
+        block(2, name=name, shape=Box((0.04, 0.03), (places[name], 0.0)), bonded_to=bond)
+        for name, bond in bonds.items()
     ]
     particles = fill_scene(scene_of(*bodies))
-    a, b, c, d, e = (set(particles.groups[particles.bodies == k]) for k in range(5))
+    a, e, b, c, d = (set(particles.groups[particles.bodies == k]) for k in range(5))
     assert a == e
     assert b == c == d
     assert a != b
+
+
+@pytest.mark.parametrize("name", ["left", "right"])
+def test_a_bond_with_a_body_out_of_reach_is_refused(name: str) -> None:
+    with pytest.raises(InputError, match=f"body 'right' bonded_to: names '{name}', which it does not touch"):
+        fill_scene(two_blocks(2, 0.1, bonded_to=(name,)))
 
 
 def test_bonded_bodies_of_different_spacing_are_refused() -> None:

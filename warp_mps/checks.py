@@ -194,10 +194,10 @@ def _probe(scene: Scene, probe: Probe) -> None:
 def _measurement(scene: Scene, measurement: Measurement) -> None:
     where = place(measurement, "measurement")
     _choice(measurement.measure, sc.MEASURES, where, "measure")
-    if measurement.measure == "frequency":
-        _choice(measurement.unit, ("", "rad/s", "Hz"), where, "unit")
-    known = [probe.name for probe in scene.probes]
+    known = {probe.name: probe for probe in scene.probes}
     _require(measurement.probe in known, where, "probe", f"names no probe: {measurement.probe!r}")
+    own = sc.PROBE_UNITS[known[measurement.probe].quantity][scene.dimension - 2]
+    _choice(measurement.unit, ("", *sc.MEASURE_UNITS.get(measurement.measure, (own,))), where, "unit")
     good = 0 <= measurement.component < max(scene.dimension, 1)
     _require(good, where, "component", f"must be one of the scene's {scene.dimension} axes")
     end = scene.duration if measurement.end is None else measurement.end

@@ -47,6 +47,12 @@ class Clock:
             self.dt = scene.time_step
         self.frame_every = samples * self.sample_every
         self.steps = max(1, math.ceil(_count(scene, scene.duration, self.dt, "duration") - 1e-6))
+        # the same as steps of dt but for rounding: frames are then at 0.2 s, not at 0.19999999999999998
+        self._rate = None if scene.time_step else self.frame_every * scene.frame_rate
+
+    def time(self, step: int) -> float:
+        """Time after so many steps [s]."""
+        return step / self._rate if self._rate else step * self.dt
 
 
 def _count(scene: Scene, interval: float, step: float, attribute: str) -> float:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+import re
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
@@ -14,7 +15,6 @@ from warp_mps.errors import InputError
 from warp_mps.files import write_whole
 
 TIME_LABEL = "time [s]"
-COMPONENTS = "xyz"
 
 
 def energy_labels(dimension: int) -> tuple[str, ...]:
@@ -55,10 +55,14 @@ class History:
         Raises:
             KeyError: There is no such probe or component.
         """
-        wanted = [f"{name}.{COMPONENTS[component]}"] + [name] * (component == 0)
-        for column, label in enumerate(self.labels[1 : -len(ENERGY_NAMES)], start=1):
-            if label.rpartition(" [")[0] in wanted:
-                return np.array([row[column] for row in self.rows])
+        columns = [
+            column
+            for column, label in enumerate(self.labels[1 : -len(ENERGY_NAMES)], start=1)
+            if label.rpartition(" [")[0] == name
+            or re.fullmatch(re.escape(name) + r"\.[xyz]", label.rpartition(" [")[0])
+        ]
+        if component < len(columns):
+            return np.array([row[columns[component]] for row in self.rows])
         raise KeyError(f"probe {name!r} has no component {component}")
 
     def energies(self) -> list[Energy]:

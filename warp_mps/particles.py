@@ -92,6 +92,7 @@ def fill_scene(scene: Scene) -> Particles:
         ids=np.arange(int(ends[-1])),
     )
     _refuse_overlap(scene, particles)
+    _refuse_loose_bonds(scene, particles)
     return particles
 
 
@@ -169,6 +170,18 @@ def _groups(scene: Scene) -> np.ndarray:
                 )
             groups[groups == groups[j]] = groups[i]
     return groups
+
+
+def _refuse_loose_bonds(scene: Scene, particles: Particles) -> None:
+    """Refuse a bond between bodies that have no two particles within the effective radius of each other."""
+    for i, body in enumerate(scene.bodies):
+        for name in body.bonded_to:
+            j = particles.names.index(name)
+            here, there = (particles.positions[slice(*particles.ranges[k])] for k in (i, j))
+            reach = scene.elasticity.effective_radius * body.spacing
+            if i == j or not contains(Points(there), here, reach).any():
+                reason = f"names {name!r}, which it does not touch: no two particles are within {reach:.3g} m"
+                raise InputError(place(body, "body"), "bonded_to", reason)
 
 
 def _refuse_overlap(scene: Scene, particles: Particles) -> None:

@@ -95,7 +95,7 @@ class _Run:
 
         def last_kept(every: int) -> float | None:
             """Time up to which results stay: a run that was to end off the grid has one row and frame too many."""
-            return simulation.step // every * every * clock.dt if resumed else None
+            return clock.time(simulation.step // every * every) if resumed else None
 
         # probes are the only ones that can still refuse the scene: they come before anything is removed
         self._probes = ProbeRecorder(

@@ -27,6 +27,18 @@ PROBE_QUANTITIES = {
     "body": ("position", "displacement", "velocity", "momentum", "angular_momentum", "extent", "contact_force"),
     "support": ("reaction",),
 }
+# unit of each quantity in 2-D, per metre of depth where it is extensive, and in 3-D
+PROBE_UNITS = {
+    "position": ("m", "m"),
+    "displacement": ("m", "m"),
+    "velocity": ("m/s", "m/s"),
+    "rotation": ("rad", "rad"),
+    "extent": ("m", "m"),
+    "momentum": ("kg/s", "kg m/s"),
+    "angular_momentum": ("kg m/s", "kg m^2/s"),
+    "contact_force": ("N/m", "N"),
+    "reaction": ("N/m", "N"),
+}
 MEASURES = (
     "frequency",
     "period",
@@ -43,6 +55,16 @@ MEASURES = (
     "harmonic_amplitude",
     "harmonic_phase",
 )
+
+
+# units of what is not in the unit of its probe
+MEASURE_UNITS = {
+    "frequency": ("rad/s", "Hz"),
+    "period": ("s",),
+    "contact_time": ("s",),
+    "restitution": ("-",),
+    "harmonic_phase": ("deg",),
+}
 
 
 @dataclass(frozen=True)

@@ -91,7 +91,7 @@ class Simulation:
     @property
     def time(self) -> float:
         """Simulated time [s]."""
-        return self.step * self.clock.dt
+        return self.clock.time(self.step)
 
     @property
     def total_steps(self) -> int:

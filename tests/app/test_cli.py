@@ -155,3 +155,22 @@ def test_validate_prints_measured_beside_reference(capsys: pytest.CaptureFixture
     assert "744" in line
     assert "table 3" in line
     assert "-0.7" in line
+
+
+def test_check_refuses_what_a_run_would_refuse(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    held = ("Cube", 'token mps:role = "support"', "double size = 0.1", "double3 xformOp:translate = (9, 9, 0)")
+    stage = write(tmp_path, Held=(*held, 'uniform token[] xformOpOrder = ["xformOp:translate"]'))
+    assert main(["check", str(stage)]) == 2
+    assert "/Held: the support holds no particle" in capsys.readouterr().err
+    assert main(["check", str(write(tmp_path)), "--set", "/Beam.mps:spacing=1e-9"]) == 2
+
+
+def test_the_axes_of_a_probe_are_those_of_the_stage(tmp_path: Path) -> None:
+    stage = write(tmp_path, up="Z", Scene=("double mps:duration = 1e-4",), Tip=SHAKEN["Tip"])
+    assert main(["run", str(stage), "--out", str(tmp_path / "out"), "--quiet"]) == 0
+    assert read_history(tmp_path / "out" / "probes.csv").labels[1:3] == ("Tip.x [m]", "Tip.z [m]")
+
+
+def test_version(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["--version"]) == 0
+    assert capsys.readouterr().out.startswith("warp-mps ")

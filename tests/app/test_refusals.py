@@ -37,8 +37,8 @@ def refusal(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
         ({"Steel": ("-physics:density",)}, "/Steel physics:density: is missing"),
         ({"Scene": ('token mps:elasticModel = "jelly"',)}, "/Scene mps:elasticModel: is 'jelly', must be one of:"),
         ({"Twin": (*TWIN, "double size = 0.5")}, "overlaps /Twin"),
-        ({"Held": (*SUPPORT, ORDER)}, "/Held region: the support holds no particle"),
-        ({"Tip": PROBE}, "/Tip point: (9, 9) m lies outside every body"),
+        ({"Held": (*SUPPORT, ORDER)}, "/Held: the support holds no particle"),
+        ({"Tip": PROBE}, "/Tip: (9, 9) m lies outside every body"),
     ],
 )
 def test_stages_that_cannot_be_run(

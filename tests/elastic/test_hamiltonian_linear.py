@@ -144,7 +144,9 @@ def test_aluminium_at_a_strain_of_1e_5() -> None:
         exact = amplitude / np.cos(half_turn) * np.sin(2.0 * half_turn * double.step) * shape
         errors.append(np.abs(double.displacements - exact).max() / amplitude)
         differences.append(np.abs(single.displacements - double.displacements).max() / amplitude)
-    print(f"largest error {max(errors):.1e} of the amplitude, of single precision {max(differences):.1e}, {double.step}")
+    print(
+        f"largest error {max(errors):.1e} of the amplitude, of single precision {max(differences):.1e}, {double.step}"
+    )
     # the second order of the strains, which adds up over the time
     assert max(errors) < 5e-5
     assert max(differences) < 1e-4

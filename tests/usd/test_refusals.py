@@ -38,6 +38,11 @@ def refusal(path: Path, **options: Any) -> InputError:
         ({"Beam": ("double mps:spacing = -1",)}, "/Beam", "mps:spacing", "above 0"),
         ({"Beam": ("double mps:spacing = 3",)}, "/Beam", "mps:spacing", "thinner than one particle"),
         ({"Beam": ("-mps:spacing", VARYING)}, "/Beam", "mps:spacing", "vary in time"),
+        (
+            {"Beam": ("double3 xformOp:translate.timeSamples = { 0: (0, 0, 0), 1: (1, 0, 0) }", MOVE)},
+            *("/Beam", "xformOpOrder", "varies in time"),
+        ),
+        ({"Beam": ("double mps:spacing.timeSamples = { 0: 1, 1: 2 }",)}, "/Beam", "mps:spacing", "not vary in time"),
         ({"Beam": ("double mps:spaceing = 1",)}, "/Beam", "mps:spaceing", "did you mean mps:spacing"),
         ({"Beam": ("-material:binding:physics",)}, "/Beam", "material:binding:physics", "bind a material"),
         ({"Beam": ("float physics:mass = 2",)}, "/Beam", "physics:mass", "density"),

@@ -6,14 +6,16 @@
 from __future__ import annotations
 
 import functools
+import signal
 import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import tyro
-from tyro.conf import OmitArgPrefixes, Positional, UseAppendAction, arg
+from tyro.conf import FlagCreatePairsOff, OmitArgPrefixes, Positional, UseAppendAction, arg
 
+from warp_mps import __version__
 from warp_mps.errors import InputError, RunError
 
 MODELS: tuple[Literal["hamiltonian", "springs"], ...] = ("hamiltonian", "springs")
@@ -22,6 +24,7 @@ Case = Annotated[str, arg(metavar="CASE", help="Path of a stage, or the name of 
 Device = Annotated[str, arg(metavar="DEVICE", help="cpu, or a CUDA device such as cuda:0.")]
 Precision = Annotated[Literal["float64", "float32"], arg(help="Number type: float64 to trust, float32 for GPU speed.")]
 Threads = Annotated[int, arg(metavar="T", help="CPU threads that share the particles; helps from some thousands on.")]
+Duration = Annotated[float | None, arg(metavar="S", help="Simulated time [s], instead of the stage's.")]
 Changes = UseAppendAction[
     Annotated[
         tuple[str, ...],
@@ -37,11 +40,11 @@ def list_cases() -> int:
     return show_cases()
 
 
-def check(case: Positional[Case], *, changes: Changes = ()) -> int:
+def check(case: Positional[Case], *, duration: Duration = None, changes: Changes = ()) -> int:
     """Read a case and say what a run of it would take: particles, time step, memory, time. Runs nothing."""
     from warp_mps.app.show import show_check
 
-    return show_check(_read(case, changes))
+    return show_check(_read(case, changes, duration))
 
 
 def run(
@@ -51,7 +54,7 @@ def run(
     device: Device = "cpu",
     precision: Precision = "float64",
     threads: Threads = 1,
-    duration: Annotated[float | None, arg(metavar="S", help="Simulated time [s], instead of the stage's.")] = None,
+    duration: Duration = None,
     overwrite: Annotated[bool, arg(help="Replace results that the folder holds.")] = False,
     resume: Annotated[bool, arg(help="Continue from the folder's checkpoint.")] = False,
     quiet: Annotated[bool, arg(help="Show no progress.")] = False,
@@ -122,8 +125,14 @@ COMMANDS: dict[str, Callable[..., int]] = {
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run a command and return its exit code."""
+    arguments = list(sys.argv[1:] if arguments is None else arguments)
+    if arguments == ["--version"]:
+        print(f"warp-mps {__version__}")
+        return 0
+    # what ends a batch job ends a run as Ctrl-C does: with everything kept
+    signal.signal(signal.SIGTERM, lambda *_: signal.raise_signal(signal.SIGINT))
     try:
-        return int(_dispatch(list(sys.argv[1:] if arguments is None else arguments)))
+        return int(_dispatch(arguments))
     except InputError as error:
         from warp_mps.usd.attributes import stage_error
 
@@ -141,7 +150,7 @@ def _dispatch(arguments: list[str]) -> Any:
         prog="warp-mps",
         description="Elastic structures by the Moving Particle Semi-implicit method: USD stage in, USD animation out.",
         args=arguments,
-        config=(OmitArgPrefixes,),
+        config=(OmitArgPrefixes, FlagCreatePairsOff),
     )
 
 

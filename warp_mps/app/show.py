@@ -12,9 +12,11 @@ from rich.table import Table
 
 from warp_mps.catalogue import shipped_cases
 from warp_mps.clock import Clock
-from warp_mps.cost import available_memory, estimate
+from warp_mps.cost import available_memory, estimate, refuse_too_large
+from warp_mps.observers.sampling import make_sampler
+from warp_mps.particles import fill_scene, select_held
 from warp_mps.results import RunSummary
-from warp_mps.scene import Scene
+from warp_mps.scene import Load, Scene, Support
 
 WIDE = 200
 ROOM_FOR_SOURCES = 130
@@ -33,7 +35,11 @@ def show_cases() -> int:
 
 
 def show_check(scene: Scene) -> int:
-    """Print what a run of a scene would take."""
+    """Print what a run of a scene would take, and refuse what the run would refuse.
+
+    Raises:
+        InputError: The bodies, supports, loads or probes do not fit the particles, or there is not enough memory.
+    """
     cost, clock = estimate(scene), Clock(scene)
     table = _table("", "")
     table.show_header = False
@@ -52,6 +58,13 @@ def show_check(scene: Scene) -> int:
     table.add_row("memory", f"{_bytes(cost.memory)} of {_bytes(available)} available{note}")
     table.add_row("expected time on one CPU core", _duration(cost.seconds))
     console().print(table)
+    refuse_too_large(scene)
+    particles = fill_scene(scene)
+    held: list[Support | Load] = [*scene.supports, *scene.loads]
+    for item in held:
+        select_held(particles, item)
+    for probe in scene.probes:
+        make_sampler(probe, scene, particles)
     return 0
 
 

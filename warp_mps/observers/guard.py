@@ -60,11 +60,12 @@ class Guard:
         self._potential = max(self._potential, abs(energy.potential))
         growth = energy.balance - self._start
         if growth > ALLOWED_GROWTH * self._largest + ROUNDING * self._potential or not np.isfinite(growth):
+            unit = "J/m" if view.scene.dimension == 2 else "J"
             fastest = int(np.argmax(np.linalg.norm(view.velocities, axis=1)))
             speed = float(np.linalg.norm(view.velocities[fastest]))
             raise RunError(
-                f"the energy has grown by {growth:.3g} J out of nowhere (largest kinetic, elastic and contact energy "
-                f"or work: {self._largest:.3g} J) at {self._when(view)}; the fastest particle is "
+                f"the energy has grown by {growth:.3g} {unit} out of nowhere (largest kinetic, elastic and contact "
+                f"energy or work: {self._largest:.3g} {unit}) at {self._when(view)}; the fastest particle is "
                 f"{_describe(view, fastest)} at {speed:.3g} m/s; {self._cause()}"
             )
 

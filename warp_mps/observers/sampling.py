@@ -9,24 +9,10 @@ import numpy as np
 
 from warp_mps.checks import place
 from warp_mps.errors import InputError
-from warp_mps.history import COMPONENTS
 from warp_mps.observers.base import View
 from warp_mps.observers.interpolation import interpolate
 from warp_mps.particles import Particles, select
-from warp_mps.scene import Probe, Scene
-
-UNITS = {
-    "position": ("m", "m"),
-    "displacement": ("m", "m"),
-    "velocity": ("m/s", "m/s"),
-    "rotation": ("rad", "rad"),
-    "extent": ("m", "m"),
-    "momentum": ("kg/s", "kg m/s"),
-    "angular_momentum": ("kg m/s", "kg m^2/s"),
-    "contact_force": ("N/m", "N"),
-    "reaction": ("N/m", "N"),
-}
-"""Unit of each quantity in 2-D (per metre of depth where extensive) and in 3-D."""
+from warp_mps.scene import PROBE_UNITS, Probe, Scene
 
 AXIAL = ("rotation", "angular_momentum")
 Sample = Callable[[View], np.ndarray]
@@ -58,14 +44,15 @@ def make_sampler(probe: Probe, scene: Scene, particles: Particles) -> Sampler:
         sample = _sum("reactions", select(particles, support.region, support.bodies))
     else:
         sample = _of_place(probe, particles)
-    return Sampler(_labels(probe, scene.dimension), sample)
+    return Sampler(_labels(probe, scene), sample)
 
 
-def _labels(probe: Probe, dimension: int) -> tuple[str, ...]:
-    unit = UNITS[probe.quantity][dimension - 2]
-    if probe.quantity in AXIAL and dimension == 2:
+def _labels(probe: Probe, scene: Scene) -> tuple[str, ...]:
+    """Labels with the axes of the stage, which are those that a person knows."""
+    unit = PROBE_UNITS[probe.quantity][scene.dimension - 2]
+    if probe.quantity in AXIAL and scene.dimension == 2:
         return (f"{probe.name} [{unit}]",)
-    return tuple(f"{probe.name}.{axis} [{unit}]" for axis in COMPONENTS[:dimension])
+    return tuple(f"{probe.name}.{axis} [{unit}]" for axis in scene.frame.axes)
 
 
 def _of_place(probe: Probe, particles: Particles) -> Sample:

@@ -25,6 +25,8 @@ _OTHER_NAMES = {
     "velocities": "velocities",
     "placement": "xformOpOrder",
     "shape": "",
+    "region": "",
+    "point": "",
 }
 
 

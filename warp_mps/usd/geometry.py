@@ -20,9 +20,19 @@ def has_shape(prim: Usd.Prim) -> bool:
 
 
 def world_matrix(prim: Usd.Prim) -> np.ndarray:
-    """Matrix from a prim's coordinates to the stage's, columns are the images of its axes, shape [4, 4]."""
-    matrix = UsdGeom.XformCache(Usd.TimeCode.Default()).GetLocalToWorldTransform(prim)
-    return np.array(matrix).T
+    """Matrix from a prim's coordinates to the stage's, columns are the images of its axes, shape [4, 4].
+
+    Raises:
+        InputError: It varies in time, which a case does by motions, not by transforms.
+    """
+    ancestor = prim
+    while ancestor:
+        transform = UsdGeom.Xformable(ancestor)
+        if transform and transform.TransformMightBeTimeVarying():
+            reason = "varies in time; a support moves by mps:motion:amplitude or mps:motion:times"
+            raise InputError(str(ancestor.GetPath()), "xformOpOrder", reason)
+        ancestor = ancestor.GetParent()
+    return np.array(UsdGeom.XformCache(Usd.TimeCode.Default()).GetLocalToWorldTransform(prim)).T
 
 
 def read_shape(prim: Usd.Prim, frame: Frame, inner_radius: float = 0.0) -> Shape:

@@ -106,7 +106,7 @@ def typed(attribute: Usd.Attribute, row: Attribute) -> Any:
         InputError: It is of another type than the table says, or not finite.
     """
     path, value = str(attribute.GetPrim().GetPath()), attribute.Get()
-    if value is None:
+    if value is None or attribute.GetNumTimeSamples():
         raise InputError(path, row.name, "must have a value that does not vary in time")
     plain = _plain(value, row.kind)
     if plain is None:
