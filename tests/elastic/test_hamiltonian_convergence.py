@@ -126,6 +126,16 @@ def test_the_limit_is_not_far_below(dimension: int, plane: str) -> None:
     assert worst > 0.85
 
 
+@pytest.mark.parametrize("control", [0.0, 0.1, 1.2, 10.0])
+@pytest.mark.parametrize("radius", [1.2, 1.45, 1.5])
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_the_limit_of_the_step_for_rare_choices(dimension: int, radius: float, control: float) -> None:
+    """Few neighbours, and hardly any or much control; blocks of a few particles are the fastest."""
+    for cells in ((2, 2, 2), (3, 3, 3), (24, 2, 2), (8, 8, 2), (6, 6, 6)):
+        scene = body_of(cells[:dimension], 0.0, "strain", Elasticity(effective_radius=radius, control=control))
+        assert Clock(scene).dt_limit < stable_step(scene), f"{cells}"
+
+
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_runs_on_either_side_of_the_limit(dimension: int) -> None:
     """At the limit, noise stays noise; 2 % above what is stable it grows without bound."""

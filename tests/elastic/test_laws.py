@@ -188,7 +188,7 @@ def test_neo_hookean_tension_of_a_rod(stretch: float) -> None:
 
 @pytest.mark.parametrize("stretch", [0.5, 0.8, 1.3, 2.0])
 def test_neo_hookean_tension_of_a_rod_that_thins(stretch: float) -> None:
-    """With side stretch b: mu (b^2 - 1) + lambda ln(s b^2) = 0 at the sides, P = (mu (s^2 - 1) + lambda ln(s b^2))/s."""
+    """Stretched by s, at the sides by b: mu (b^2 - 1) + lambda ln(s b^2) = 0 there, and so P = mu (s^2 - b^2)/s."""
     side = brentq(lambda b: SHEAR * (b**2 - 1) + LAME * np.log(stretch * b**2), 0.1, 3.0, xtol=1e-15)
     expected = SHEAR * (stretch**2 - side**2) / stretch
     for dimension, plane in ((2, "stress"), (3, "strain")):
