@@ -29,4 +29,4 @@ def test_the_first_simulation_of_the_readme_runs(tmp_path: Path, monkeypatch: py
     scope: dict = {}
     exec(code, scope)
     assert scope["summary"].status == "done"
-    assert Path("runs/cantilever/run.usdc").exists()
+    assert Path("runs/first/run.usdc").exists()

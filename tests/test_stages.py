@@ -66,9 +66,7 @@ def test_stages_run_at_reduced_size(name: str, tmp_path: Path) -> None:
 
 
 def _coarser(name: str) -> float:
-    return (
-        2.0 if name in ("bar_3d", "beam_first_mode", "beam_second_mode", "ring_collision_gray", "turek_csm3") else 1.0
-    )
+    return 2.0 if name in ("bar_3d", "beam_first_mode", "beam_second_mode", "ring_collision_gray") else 1.0
 
 
 def _time_step(name: str) -> float | None:

@@ -9,7 +9,7 @@ A case is a USD stage or a `Scene` made in Python; a result is a USD animation. 
     clamp = mps.Support(name="clamp", region=mps.Box((0.01, 0.04), center=(-0.08, 0.0)))
     tip = mps.Probe(name="tip", point=(0.078, 0.0))
     scene = mps.Scene(bodies=(beam,), supports=(clamp,), probes=(tip,), gravity=(0.0, -9.81), duration=0.5)
-    summary = mps.run_scene(scene, "runs/cantilever")
+    summary = mps.run_scene(scene, "runs/first")
 """
 
 from __future__ import annotations

@@ -164,7 +164,7 @@ def _groups(scene: Scene) -> np.ndarray:
     for i, body in enumerate(scene.bodies):
         for name in body.bonded_to:
             j = names.index(name)
-            if not np.isclose(scene.bodies[j].spacing, body.spacing, rtol=1e-9):
+            if not np.isclose(scene.bodies[j].spacing, body.spacing, rtol=1e-9, atol=0.0):
                 raise InputError(
                     place(body, "body"), "spacing", f"differs from that of {name!r}, which it is bonded to"
                 )

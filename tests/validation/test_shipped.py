@@ -49,6 +49,7 @@ TOLERANCES: dict[str, tuple[dict[str, float], float]] = {
         0.01,
     ),
     "block_on_elastic_base": ({}, 0.01),
+    "oscillating_plate": ({"period": 0.01, "amplitude": 0.02}, 1e-3),
     "turek_csm3": (
         {
             "tip height, mean": 0.02,

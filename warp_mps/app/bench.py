@@ -41,7 +41,16 @@ def bench_solid(
         threads: Threads on the CPU device.
     """
     table = Table(box=None, pad_edge=False, header_style="bold")
-    for column in ("model", "", "particles", "neighbours", "precision", "us a step", "us a particle-step", "million/s"):
+    for column in (
+        "model",
+        "space",
+        "particles",
+        "neighbours",
+        "precision",
+        "us a step",
+        "us a particle-step",
+        "million/s",
+    ):
         table.add_column(column, justify="right", no_wrap=True)
     table.add_column("share of each kernel")
     for model, dimension, size, precision in itertools.product(models, dimensions, sizes, precisions):

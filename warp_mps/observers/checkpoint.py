@@ -155,7 +155,9 @@ def _read(path: Path, fingerprint: str) -> Checkpoint | None:
     if checksum != _digest(metadata, arrays):
         return None
     if metadata["fingerprint"] != fingerprint:
-        raise InputError(str(path), "", "belongs to another case, or the case has changed since; start a new run")
+        raise InputError(
+            str(path), "", "belongs to another case or precision, or the case has changed; start a new run"
+        )
     return Checkpoint(metadata["step"], metadata["time"], arrays)
 
 
