@@ -104,7 +104,7 @@ def bench(
     precisions: Annotated[tuple[Literal["float64", "float32"], ...], arg(help="Number types.")] = PRECISIONS,
     threads: Threads = 1,
 ) -> int:
-    """Measure the speed: particle-steps a second of an elastic block, and the share of each kernel."""
+    """Measure the speed: particle-steps a second of an elastic block, and the share of each kernel. Takes minutes."""
     from warp_mps.app.bench import bench_solid
 
     if min(sizes, default=0) < 1:

@@ -1,0 +1,59 @@
+"""Runs on a CUDA device: the numbers of the CPU, graphs with a contact search inside, the same bits twice."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from tests.scenes import HAMILTONIAN, SPRINGS, block, scene_of
+from warp_mps.scene import Contact, Scene
+from warp_mps.shapes import Box
+from warp_mps.simulation import Simulation
+
+pytestmark = pytest.mark.gpu
+
+
+@pytest.fixture(autouse=True)
+def _cuda() -> None:
+    """Skip where there is no CUDA device."""
+    import warp as wp
+
+    from warp_mps.core.device import open_device
+
+    open_device("cpu")
+    if not wp.is_cuda_available():
+        pytest.skip("there is no CUDA device")
+
+
+def collision(dimension: int, model: str) -> Scene:
+    """Two blocks that run into each other."""
+    rest = (0.0,) * (dimension - 1)
+    size, away = (0.04, 0.03, 0.02)[:dimension], (0.042, *rest)
+    left = block(dimension, velocity=(2.0, *rest))
+    right = block(dimension, name="right", shape=Box(size, away), velocity=(-2.0, *rest))
+    elasticity = SPRINGS if model == "springs" else HAMILTONIAN
+    return scene_of(left, right, dimension=dimension, elasticity=elasticity, contact=Contact(between="all"))
+
+
+@pytest.mark.parametrize("model", ["hamiltonian", "springs"])
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_the_gpu_computes_what_the_cpu_computes(dimension: int, model: str) -> None:
+    runs = [Simulation(collision(dimension, model), device=device) for device in ("cpu", "cuda:0")]
+    for simulation in runs:
+        simulation.advance(500)
+    cpu, gpu = runs
+    assert cpu.energy.contact + cpu.energy.elastic > 0.0
+    np.testing.assert_allclose(gpu.positions, cpu.positions, rtol=0.0, atol=1e-10)
+    assert gpu.energy.total == pytest.approx(cpu.energy.total, rel=1e-9)
+
+
+@pytest.mark.parametrize("precision", ["float64", "float32"])
+@pytest.mark.parametrize("model", ["hamiltonian", "springs"])
+def test_graphs_and_repetition_give_the_same_bits(model: str, precision: str) -> None:
+    scene, results = collision(2, model), []
+    for graphs in (True, True, False):
+        simulation = Simulation(scene, device="cuda:0", precision=precision, graphs=graphs)
+        simulation.advance(300)
+        results.append(simulation.positions)
+    np.testing.assert_array_equal(results[0], results[1])
+    np.testing.assert_array_equal(results[0], results[2])
