@@ -16,7 +16,7 @@ from warp_mps.scene import HarmonicMotion, Load, Scene, Support, TableMotion
 
 
 @dataclass(kw_only=True)
-class _Agent:
+class _Action:
     """A moving support or a load on the device.
 
     Attributes:
@@ -46,7 +46,7 @@ class Outside:
         self.steps = wp.zeros(1, dtype=wp.int32, device=device)
         self.held = np.zeros((particles.count, particles.dimension), bool)
         self.held_rotation = np.zeros(particles.count, bool)
-        self._driven: list[_Agent] = []
+        self._driven: list[_Action] = []
         driven = np.zeros_like(self.held)
         for support in scene.supports:
             self._hold(support, particles, driven)
@@ -59,47 +59,47 @@ class Outside:
 
     def drive(self, state: ElasticState, mass: wp.array) -> None:
         """Place the particles of the moving supports."""
-        for agent in self._driven:
-            axes, motion = agent.numbers[0], agent.numbers[1:]
-            inputs = [agent.particles, axes, self._dt, *motion, mass, self.steps, state.force]
-            outputs = [state.u, state.v, state.driven, agent.last, agent.work]
-            self._launch(self._kernels.drive, agent, inputs, outputs)
+        for action in self._driven:
+            axes, motion = action.numbers[0], action.numbers[1:]
+            inputs = [action.particles, axes, self._dt, *motion, mass, self.steps, state.force]
+            outputs = [state.u, state.v, state.driven, action.last, action.work]
+            self._launch(self._kernels.drive, action, inputs, outputs)
 
     def push(self, force: wp.array, mass: wp.array) -> None:
         """Add the present forces of the loads to the forces on the particles."""
-        for agent in self._pushed:
-            inputs = [agent.particles, self._dt, *agent.numbers, mass, self.steps]
-            self._launch(self._kernels.push, agent, inputs, [force])
+        for action in self._pushed:
+            inputs = [action.particles, self._dt, *action.numbers, mass, self.steps]
+            self._launch(self._kernels.push, action, inputs, [force])
 
     def account(self, state: ElasticState, mass: wp.array, dt: float) -> None:
         """Add the work of a step; with dt = 0 only note the power, which the next step needs."""
-        for agent in self._driven:
-            self._launch(self._kernels.drive_work, agent, [agent.particles, state.force, agent.last], [agent.work])
-        for agent in self._pushed:
+        for action in self._driven:
+            self._launch(self._kernels.drive_work, action, [action.particles, state.force, action.last], [action.work])
+        for action in self._pushed:
             # the load's value needs the time, so this kernel takes the true time step as well
-            inputs = [agent.particles, self._dt, dt, *agent.numbers, mass, self.steps, state.v]
-            self._launch(self._kernels.push_work, agent, inputs, [agent.last, agent.work])
+            inputs = [action.particles, self._dt, dt, *action.numbers, mass, self.steps, state.v]
+            self._launch(self._kernels.push_work, action, inputs, [action.last, action.work])
 
     def work(self) -> float:
         """Work done so far [J]."""
-        return float(sum(np.sum(agent.work.numpy()) for agent in self._agents()))
+        return float(sum(np.sum(action.work.numpy()) for action in self._actions()))
 
     def arrays(self) -> dict[str, np.ndarray]:
         """What evolves here, for a checkpoint."""
         arrays = {"steps": self.steps.numpy().copy()}
-        for k, agent in enumerate(self._agents()):
-            arrays[f"last_{k}"] = agent.last.numpy().copy()
-            arrays[f"work_{k}"] = agent.work.numpy().copy()
+        for k, action in enumerate(self._actions()):
+            arrays[f"last_{k}"] = action.last.numpy().copy()
+            arrays[f"work_{k}"] = action.work.numpy().copy()
         return arrays
 
     def assign(self, arrays: dict[str, np.ndarray]) -> None:
         """Take over arrays that `arrays` gave."""
         self.steps.assign(arrays["steps"])
-        for k, agent in enumerate(self._agents()):
-            agent.last.assign(arrays[f"last_{k}"])
-            agent.work.assign(arrays[f"work_{k}"])
+        for k, action in enumerate(self._actions()):
+            action.last.assign(arrays[f"last_{k}"])
+            action.work.assign(arrays[f"work_{k}"])
 
-    def _agents(self) -> list[_Agent]:
+    def _actions(self) -> list[_Action]:
         return [*self._driven, *self._pushed]
 
     def _hold(self, support: Support, particles: Particles, driven: np.ndarray) -> None:
@@ -117,7 +117,7 @@ class Outside:
         driven[here] = True
         mask = np.zeros(particles.dimension)
         mask[axes] = 1.0
-        self._driven.append(self._agent(found, [self._kit.vec(*mask), *self._motion(support.motion)], self._kit.vec))
+        self._driven.append(self._action(found, [self._kit.vec(*mask), *self._motion(support.motion)], self._kit.vec))
 
     def _motion(self, motion: HarmonicMotion | TableMotion) -> list[Any]:
         """Arguments of the `drive` kernel: amplitude, frequency, phase, times and table."""
@@ -135,22 +135,22 @@ class Outside:
             wp.array(rows, dtype=vec, device=self._device),
         ]
 
-    def _load(self, load: Load, particles: Particles) -> _Agent:
+    def _load(self, load: Load, particles: Particles) -> _Action:
         found = select_held(particles, load)
         acceleration = np.zeros(particles.dimension)
         if load.acceleration is not None:
             acceleration += load.acceleration
         if load.force is not None:
             acceleration += np.asarray(load.force, float) / particles.masses[found].sum()
-        return self._agent(found, [self._kit.vec(*acceleration), load.frequency, load.phase], self._kit.real)
+        return self._action(found, [self._kit.vec(*acceleration), load.frequency, load.phase], self._kit.real)
 
-    def _agent(self, found: np.ndarray, numbers: list[Any], kind: Any) -> _Agent:
-        return _Agent(
+    def _action(self, found: np.ndarray, numbers: list[Any], kind: Any) -> _Action:
+        return _Action(
             particles=wp.array(found, dtype=wp.int32, device=self._device),
             numbers=numbers,
             last=wp.zeros(len(found), dtype=kind, device=self._device),
             work=wp.zeros(len(found), dtype=wp.float64, device=self._device),
         )
 
-    def _launch(self, kernel: Any, agent: _Agent, inputs: list[Any], outputs: list[Any]) -> None:
-        wp.launch(kernel, len(agent.particles), inputs, outputs, device=self._device)
+    def _launch(self, kernel: Any, action: _Action, inputs: list[Any], outputs: list[Any]) -> None:
+        wp.launch(kernel, len(action.particles), inputs, outputs, device=self._device)
