@@ -89,6 +89,7 @@ def test_output_folders_that_cannot_be_used(tmp_path: Path, capsys: pytest.Captu
         (("--set", "/Beam.mps:spacing=thin"), "/Beam mps:spacing: 'thin' is not of type double"),
         (("--set", "/Nobody.mps:spacing=1"), "/Nobody"),
         (("--device", "cuda:99"), "device: 'cuda:99' is not available, must be one of: cpu"),
+        (("--device", "gpu"), "device: 'gpu' is not available, must be one of: cpu"),
         (("--threads", "0"), "threads: is 0, must be 1 or more"),
         (("--duration", "-1"), "/Scene mps:duration: is -1, must be finite and above 0"),
         (("--resume",), "checkpoint"),

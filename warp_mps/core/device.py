@@ -25,7 +25,7 @@ def open_device(name: str) -> Any:
     with _without_driver_warning():
         wp.init()
     known = [device.alias for device in wp.get_devices()]
-    if name not in known and name != "cuda":
+    if name not in known and not (name == "cuda" and wp.is_cuda_available()):
         raise InputError("", "device", f"{name!r} is not available, must be one of: {', '.join(known)}")
     try:
         return wp.get_device(name)
