@@ -14,7 +14,6 @@ from pathlib import Path
 import numpy as np
 
 from warp_mps import __version__
-from warp_mps.clock import Clock
 from warp_mps.cost import refuse_too_large
 from warp_mps.errors import InputError, RunError
 from warp_mps.observers import checkpoint as checkpoint_file
@@ -69,10 +68,10 @@ def run_scene(
     checkpoint = _claim(folder, scene, precision, overwrite=overwrite, resume=resume)
     progress = Progress(every=1, quiet=quiet)
     announce = None if quiet else _say
-    clock = Clock(scene)
+    simulation = Simulation(scene, device=device, precision=precision, threads=threads, announce=announce)
+    clock = simulation.clock
     if clock.dt > clock.dt_limit:
         _say(f"the time step of {clock.dt:.4g} s is above the limit of {clock.dt_limit:.4g} s: expect an unstable run")
-    simulation = Simulation(scene, device=device, precision=precision, threads=threads, announce=announce)
     if checkpoint is not None:
         simulation.restore(checkpoint.arrays)
         if simulation.step > simulation.total_steps:

@@ -20,7 +20,6 @@ def energy_kernels(kit: Kit) -> SimpleNamespace:
     def particle_energies(
         # Model:
         gravity: vec,
-        reference: wp.array(dtype=vec),
         mass: wp.array(dtype=real),
         # State in:
         u: wp.array(dtype=vec),

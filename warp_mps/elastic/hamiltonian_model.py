@@ -10,7 +10,7 @@ from warp_mps.core.kit import Kit
 from warp_mps.core.neighbours import reference_neighbours
 from warp_mps.core.rotation import rotation_vectors
 from warp_mps.elastic.hamiltonian import hamiltonian_kernels
-from warp_mps.elastic.material import lame_constants, law_constants
+from warp_mps.elastic.material import law_constants
 from warp_mps.elastic.model import Pass
 from warp_mps.elastic.state import ElasticState
 from warp_mps.errors import InputError
@@ -50,13 +50,12 @@ class HamiltonianModel:
         self._inverse_shape = wp.zeros(n, dtype=kit.mat, device=device)
         density = self._set_up(scene, particles, reach)
         lame, mu = np.array([law_constants(body.material, d, scene.plane) for body in scene.bodies])[particles.bodies].T
-        shear = np.array([lame_constants(body.material, d, scene.plane)[1] for body in scene.bodies])[particles.bodies]
         volume = particles.spacings**d
         laws = np.array([LAWS.index(body.material.law) for body in scene.bodies])[particles.bodies]
         self._law = wp.array(laws, dtype=wp.int32, device=device)
         self._plane_stress = int(d == 2 and scene.plane == "stress")
         self._volume, self._lame, self._mu = real(volume), real(lame), real(mu)
-        self._kappa = real(scene.elasticity.control * volume * 2.0 * shear * d / density)
+        self._kappa = real(scene.elasticity.control * volume * 2.0 * mu * d / density)
         self.gradient = wp.zeros(n, dtype=kit.mat, device=device)
         self.pull = wp.zeros(n, dtype=kit.mat, device=device)
 

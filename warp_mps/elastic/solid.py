@@ -79,7 +79,6 @@ class Solid:
         self._mass = wp.array(particles.masses, dtype=kit.real, device=device)
         inverse_mass = ~self.outside.held / particles.masses[:, None]
         self._inverse_mass = wp.array(inverse_mass, dtype=kit.vec, device=device)
-        self._reference = wp.array(particles.positions, dtype=kit.vec, device=device)
         self._values = wp.zeros((4, self._n), dtype=kit.real, device=device)
         self._chunks = wp.zeros((4, -(-self._n // CHUNK)), dtype=wp.float64, device=device)
         self._hold_still(particles)
@@ -142,7 +141,7 @@ class Solid:
     def energy(self) -> Energy:
         """Energies of the present state."""
         state, values = self.state, self._values
-        inputs = [self._gravity, self._reference, self._mass, state.u, state.v]
+        inputs = [self._gravity, self._mass, state.u, state.v]
         wp.launch(self._sums.particle_energies, self._n, inputs, [values[0], values[1]], device=self._device)
         if self.model.spins:
             self.model.spins.add_kinetic(values[0])

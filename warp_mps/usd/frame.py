@@ -71,11 +71,3 @@ class Frame:
         placement[:3, :3] = self.rotation @ matrix[:3, :3]
         placement[:3, 3] = self.rotation @ matrix[:3, 3] * self.stage.meters_per_unit
         return placement
-
-    def axis_to_scene(self, axis: str) -> int:
-        """Number of the scene's axis along an axis of the stage; ValueError if it is not in the plane."""
-        return self.stage.axes.index(axis)
-
-    def axis_to_stage(self, axis: int) -> str:
-        """Axis of the stage along an axis of the scene."""
-        return self.stage.axes[axis]
