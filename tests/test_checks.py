@@ -128,6 +128,9 @@ BROKEN: list[tuple[str, str, str, dict[str, Any]]] = [
     ("/World/block", "bonded_to", "names no body: 'ghost'", body(bonded_to=("ghost",))),
     ("/World/block", "velocity_field", "must be one of: sine", velocity_field(kind="square")),
     ("/World/block", "velocity_field.amplitude", "2 finite numbers", velocity_field(amplitude=(1.0,))),
+    ("/World/block", "velocity_field.amplitude", "'sine' needs it", velocity_field(amplitude=None)),
+    ("/World/block", "velocity_field.rate", "is not of the velocity field 'sine'", velocity_field(rate=1.0)),
+    ("/World/block", "velocity_field", "needs a 3-D scene", velocity_field(kind="twist")),
     ("/World/block", "velocity_field.axis", "2 finite numbers", velocity_field(axis=(NAN, 1.0))),
     ("/World/block", "velocity_field.axis", "has no length", velocity_field(axis=(0.0, 0.0))),
     ("/World/block", "velocity_field.origin", "2 finite numbers", velocity_field(origin=(0.0, 0.0, 0.0))),
@@ -220,6 +223,14 @@ def test_a_scene_in_space_wants_three_numbers() -> None:
         Scene(bodies=(box,), duration=1.0, dimension=3, gravity=(0.0, -9.81))
     with pytest.raises(InputError, match=r"angular_velocity: .* must be 3 finite numbers"):
         Scene(bodies=(replace(box, angular_velocity=1.0),), duration=1.0, dimension=3)
+    twist = VelocityField(kind="twist", rate=1.0, axis=(1.0, 0.0, 0.0), origin=(0.0, 0.0, 0.0), length=1.0)
+    for fields, words in (
+        ({"rate": None}, r"velocity_field.rate: is missing: the velocity field 'twist' needs it"),
+        ({"rate": NAN}, r"velocity_field.rate: is nan, must be finite"),
+        ({"amplitude": (0.0, 1.0, 0.0)}, r"velocity_field.amplitude: .*; give rate instead"),
+    ):
+        with pytest.raises(InputError, match=words):
+            Scene(bodies=(replace(box, velocity_field=replace(twist, **fields)),), duration=1.0, dimension=3)
     # plane stress is nothing in space
     with pytest.raises(InputError, match=r"between -1 and 0.5 \(both excluded\) in 3-D"):
         Scene(bodies=(block(3, material=Material(1.0, 1.0, 0.6)),), duration=1.0, dimension=3, plane="stress")

@@ -94,6 +94,16 @@ def test_a_field_in_space() -> None:
     np.testing.assert_allclose(velocity(field, np.array([[1.0, 4.0, 5.0]])), [[0.0, 1.0, 2.0]])
 
 
+@pytest.mark.parametrize("mode", [1, 2])
+def test_a_twist_by_hand(mode: int) -> None:
+    """At half of the length, beside an axis along y through (1, 2, 3): omega x r, and nothing on the axis."""
+    field = VelocityField(kind="twist", rate=4.0, axis=(0.0, 3.0, 0.0), origin=(1.0, 2.0, 3.0), length=6.0, mode=mode)
+    positions = np.array([(1.5, 5.0, 3.0), (1.0, 5.0, 3.25), (1.0, 7.0, 3.0), (1.5, 2.0, 3.5)])
+    omega = 4.0 * np.sin((mode - 0.5) * np.pi / 2.0)
+    expected = [(0.0, 0.0, -0.5 * omega), (0.25 * omega, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)]
+    np.testing.assert_allclose(velocity(field, positions), expected, atol=1e-15)
+
+
 @pytest.mark.parametrize("kind", ["free_free_beam", "clamped_free_beam"])
 @pytest.mark.parametrize("mode", [8, 12, 400])
 def test_high_modes_keep_their_digits(kind: str, mode: int) -> None:

@@ -130,8 +130,18 @@ def _velocity_field(scene: Scene, body: Body) -> None:
     where, field = place(body, "body"), body.velocity_field
     assert field is not None
     _choice(field.kind, sc.VELOCITY_FIELDS, where, "velocity_field")
-    for name in ("amplitude", "axis", "origin"):
-        _vector(getattr(field, name), scene.dimension, where, f"velocity_field.{name}")
+    twist = field.kind == "twist"
+    _require(not twist or scene.dimension == 3, where, "velocity_field", "is 'twist', which needs a 3-D scene")
+    needed, other = ("rate", "amplitude") if twist else ("amplitude", "rate")
+    reason = f"is missing: the velocity field {field.kind!r} needs it"
+    _require(getattr(field, needed) is not None, where, f"velocity_field.{needed}", reason)
+    reason = f"is not of the velocity field {field.kind!r}; give {needed} instead"
+    _require(getattr(field, other) is None, where, f"velocity_field.{other}", reason)
+    _require(math.isfinite(field.rate or 0.0), where, "velocity_field.rate", f"is {field.rate}, must be finite")
+    vectors = {"axis": field.axis, "origin": field.origin, **({} if twist else {"amplitude": field.amplitude})}
+    for name, vector in vectors.items():
+        assert vector is not None
+        _vector(vector, scene.dimension, where, f"velocity_field.{name}")
     _positive(field.length, where, "velocity_field.length")
     _require(np.linalg.norm(field.axis) > 0.0, where, "velocity_field.axis", "has no length")
     good = field.mode == int(field.mode) and field.mode >= 1

@@ -1,7 +1,7 @@
 """Named initial velocity fields: shapes of vibration along an axis.
 
 References:
-    Rao, S. S., Mechanical Vibrations, 5th ed., section 8.5 (transverse vibration of beams).
+    Rao, S. S., Mechanical Vibrations, 5th ed., sections 8.4 (torsion of rods) and 8.5 (transverse vibration of beams).
 """
 
 from __future__ import annotations
@@ -23,9 +23,12 @@ def velocity(field: VelocityField, positions: np.ndarray) -> np.ndarray:
     Returns:
         Velocities [m/s], shape [n, d].
     """
-    axis = np.asarray(field.axis, float)
-    along = (positions - np.asarray(field.origin, float)) @ (axis / np.linalg.norm(axis)) / field.length
-    return np.outer(_SHAPES[field.kind](along, field.mode), np.asarray(field.amplitude, float))
+    axis = np.asarray(field.axis, float) / np.linalg.norm(field.axis)
+    arms = positions - np.asarray(field.origin, float)
+    values = _SHAPES[field.kind](arms @ axis / field.length, field.mode)
+    if field.kind == "twist":
+        return (field.rate or 0.0) * values[:, None] * np.cross(axis, arms)
+    return np.outer(values, np.asarray(field.amplitude, float))
 
 
 def beam_root(ends: str, mode: int) -> float:
@@ -43,6 +46,10 @@ def beam_root(ends: str, mode: int) -> float:
 
 def _sine(along: np.ndarray, mode: int) -> np.ndarray:
     return np.sin(mode * math.pi * along)
+
+
+def _twist(along: np.ndarray, mode: int) -> np.ndarray:
+    return np.sin((mode - 0.5) * math.pi * along)
 
 
 def _free_free(along: np.ndarray, mode: int) -> np.ndarray:
@@ -73,4 +80,4 @@ def _beam(along: np.ndarray, root: float, sign: float) -> np.ndarray:
     return shape(root * along) / shape(np.asarray(root))
 
 
-_SHAPES = {"sine": _sine, "free_free_beam": _free_free, "clamped_free_beam": _clamped_free}
+_SHAPES = {"sine": _sine, "free_free_beam": _free_free, "clamped_free_beam": _clamped_free, "twist": _twist}

@@ -21,7 +21,7 @@ LAWS = ("st_venant_kirchhoff", "neo_hookean")
 NORMALIZATIONS = ("lattice", "particle")
 PLANE_MODELS = ("strain", "stress")
 CONTACTS = ("none", "bodies", "all")
-VELOCITY_FIELDS = ("sine", "free_free_beam", "clamped_free_beam")
+VELOCITY_FIELDS = ("sine", "free_free_beam", "clamped_free_beam", "twist")
 PROBE_QUANTITIES = {
     "point": ("position", "displacement", "velocity", "rotation"),
     "body": ("position", "displacement", "velocity", "momentum", "angular_momentum", "extent", "contact_force"),
@@ -92,19 +92,23 @@ class VelocityField:
 
     s = (x - origin) . axis runs from 0 to `length`. The shapes are ``sine`` (sin(mode pi s / length)) and the
     bending modes of a uniform beam, ``free_free_beam`` and ``clamped_free_beam``, scaled to 1 at s = length
-    (Rao, Mechanical Vibrations, section 8.5). Particles' own rotation, which the springs model has, starts at rest.
+    (Rao, Mechanical Vibrations, section 8.5). ``twist``, in 3-D, is the torsion mode of a rod that is clamped at s = 0
+    and free at s = length (section 8.4): v(x) = rate * sin((2 mode - 1) pi s / (2 length)) * axis x (x - origin).
+    Particles' own rotation, which the springs model has, starts at rest.
 
     Attributes:
         kind: One of `VELOCITY_FIELDS`.
-        amplitude: Velocity where the shape is 1 [m/s].
-        axis: Unit direction along which the shape varies.
-        origin: Point where s = 0 [m].
+        amplitude: Velocity where the shape is 1 [m/s]; every kind but ``twist`` needs it.
+        rate: Angular velocity where the shape is 1 [rad/s]; ``twist`` needs it.
+        axis: Direction along which the shape varies; its length does not matter.
+        origin: Point where s = 0 [m]; the axis of a twist goes through it.
         length: Length of the body along the axis [m].
         mode: Number of the mode, from 1.
     """
 
     kind: str
-    amplitude: Vector
+    amplitude: Vector | None = None
+    rate: float | None = None
     axis: Vector
     origin: Vector
     length: float

@@ -50,6 +50,7 @@ def refusal(path: Path, **options: Any) -> InputError:
         ({"Beam": ("double3 mps:angularVelocity = (1, 0, 0)",)}, "/Beam", "mps:angularVelocity", "the normal of"),
         ({"Beam": ('token mps:nodeAxes = "w"',)}, "/Beam", "mps:nodeAxes", "axes among xyz"),
         ({"Beam": ('token mps:velocityField = "sine"',)}, "/Beam", "mps:velocityField:amplitude", "is missing"),
+        ({"Beam": ('token mps:velocityField = "twist"',)}, "/Beam", "mps:velocityField:rate", "is missing"),
         ({"Beam": ("rel mps:bondedTo = </Nobody>",)}, "/Beam", "mps:bondedTo", "there is no prim"),
         ({"Beam": ("rel mps:bondedTo = </Steel>",)}, "/Beam", "mps:bondedTo", "is no body"),
         ({"Beam": ("double size = 0",)}, "/Beam", "size", "must be positive"),

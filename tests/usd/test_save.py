@@ -50,6 +50,7 @@ def rich_scene(dimension: int, frame: StageFrame | None) -> Scene:
         kind="sine", amplitude=pad((0.1, 0.2), dimension), axis=pad((0.6, 0.8), dimension),
         origin=pad((0.5, 0.25), dimension), length=1.7, mode=2,
     )  # fmt: skip
+    twist = VelocityField(kind="twist", rate=3.5, axis=(0.6, 0.0, 0.8), origin=(0.5, 0.25, 0.125), length=1.3, mode=2)
     size = (1.2, 0.3, 0.5)[:dimension]
     bodies = (
         Body(
@@ -57,7 +58,10 @@ def rich_scene(dimension: int, frame: StageFrame | None) -> Scene:
             bonded_to=("turned",), velocity=pad((1.5, -2.5), dimension),
             angular_velocity=0.7 if dimension == 2 else (0.1, 0.2, 0.3),
         ),
-        Body(name="turned", shape=Box(size, placement=turned), material=RUBBER, spacing=0.1, node_axes=(0,)),
+        Body(
+            name="turned", shape=Box(size, placement=turned), material=RUBBER, spacing=0.1, node_axes=(0,),
+            velocity_field=twist if dimension == 3 else None,
+        ),
         Body(name="ring", shape=Cylinder(0.5, 1.0, inner_radius=0.21), material=STEEL, spacing=0.1),
         Body(name="ball", shape=Sphere(0.4, (1, 2)), material=RUBBER, spacing=0.1, velocity_field=field),
         Body(name="mesh", shape=Mesh(points, triangles, placement=turned), material=STEEL, spacing=0.125),

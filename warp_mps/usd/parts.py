@@ -94,10 +94,10 @@ def scalar_turn(fields: dict[str, Any]) -> dict[str, Any]:
 def velocity_field(values: Values) -> VelocityField | None:
     """The velocity that varies along a body, if it has one."""
     kind = values.get("mps:velocityField")
-    names = ("amplitude", "axis", "origin", "length", "mode")
+    names = ("amplitude", "rate", "axis", "origin", "length", "mode")
     if kind is None:
         return None
-    for part in names[:4]:
+    for part in ("rate" if kind == "twist" else "amplitude", "axis", "origin", "length"):
         if not values.given(f"mps:velocityField:{part}"):
             raise InputError(values.path, f"mps:velocityField:{part}", "is missing: mps:velocityField needs it")
     return VelocityField(

@@ -114,7 +114,7 @@ class _Writer:
         values |= {"mps:velocity": body.velocity, "mps:angularVelocity": body.angular_velocity}
         if body.velocity_field:
             values["mps:velocityField"] = body.velocity_field.kind
-            for part in ("amplitude", "axis", "origin", "length", "mode"):
+            for part in ("amplitude", "rate", "axis", "origin", "length", "mode"):
                 values[f"mps:velocityField:{part}"] = getattr(body.velocity_field, part)
         self._author(prim, "body", values)
         self._relate(prim, "mps:bondedTo", "Bodies", body.bonded_to)
