@@ -12,6 +12,7 @@ import pytest
 from tests.scenes import RUBBER, block
 from warp_mps.errors import InputError
 from warp_mps.scene import (
+    OUTPUTS,
     Body,
     Contact,
     Elasticity,
@@ -30,6 +31,7 @@ from warp_mps.shapes import Box
 
 NAN, INF = math.nan, math.inf
 REGION = Box((1.0, 1.0))
+POINT = {"point": (0.0, 0.0)}
 SWING = HarmonicMotion(amplitude=(0.0, 1e-3), frequency=5.0)
 STEPS = TableMotion(times=np.array([0.0, 1.0]), displacements=np.zeros((2, 2)))
 FIELD = VelocityField(kind="sine", amplitude=(0.0, 1.0), axis=(1.0, 0.0), origin=(0.0, 0.0), length=1.0)
@@ -168,10 +170,23 @@ BROKEN: list[tuple[str, str, str, dict[str, Any]]] = [
     ("/World/tip", "target", "names no support: 'ghost'", probe(support="ghost", quantity="reaction")),
     ("/World/tip", "quantity", "must be one of: position", probe(point=(0.0, 0.0), quantity="colour")),
     ("/World/tip", "quantity", "must be one of: reaction", {**support(), **probe(support="grip", quantity="position")}),
+    ("/World/tip", "quantity", "must be one of: position", probe(quantity="section_force", **POINT)),
+    ("/World/tip", "about", "is missing", probe(region=REGION, quantity="section_moment")),
+    ("/World/tip", "about", "needs section_moment", probe(region=REGION, quantity="section_force", about=(0.0, 0.0))),
+    ("/World/tip", "about", "2 finite", probe(region=REGION, quantity="section_moment", about=(0.0, NAN))),
+    ("/World", "outputs", "is 'heat', must be one of: stress", {"outputs": ("stress", "heat")}),
+    ("/World", "outputs", "names a quantity twice", {"outputs": ("stress", "stress")}),
     ("/World/tip", "point", "2 finite numbers", probe(point=(0.0, 0.0, 0.0))),
     ("/World/mode", "measure", "must be one of: frequency", measurement(measure="colour")),
     ("/World/mode", "probe", "names no probe: 'ghost'", measurement(probe="ghost")),
-    ("/World/mode", "component", "2 axes", measurement(component=2)),
+    ("/World/mode", "component", "one of the 2 components", measurement(component=2)),
+    ("/World/mode", "component", "must be 0", {**probe(quantity="von_mises", **POINT), **measurement(component=1)}),
+    (
+        "/World/mode",
+        "component",
+        "one of the 4 components",
+        {**probe(quantity="stress", **POINT), **measurement(component=4)},
+    ),
     ("/World/mode", "start", "must lie before the end", measurement(start=1.0)),
     ("/World/mode", "start", "must lie before the end", measurement(start=0.5, end=0.5)),
     ("/World/mode", "frequency", "above 0", measurement(measure="harmonic_phase")),
@@ -211,6 +226,9 @@ def test_items_without_a_path_are_named_by_kind_and_name() -> None:
         body(angular_velocity=3.0, velocity=(1.0, 0.0), velocity_field=FIELD),
         measurement(start=0.5, end=0.8, unit="Hz"),
         {**support(), **probe(support="grip", quantity="reaction")},
+        {"outputs": OUTPUTS},
+        probe(region=REGION, quantity="section_moment", about=(0.0, 0.0)),
+        {**probe(quantity="stress", **POINT), **measurement(component=3, measure="maximum", unit="Pa")},
     ],
 )
 def test_a_good_scene_is_taken(fields: dict[str, Any]) -> None:

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from warp_mps import scene as sc
+from warp_mps.components import component_names
 from warp_mps.errors import InputError
 
 if TYPE_CHECKING:
@@ -60,6 +61,9 @@ def _scene_numbers(scene: Scene) -> None:
     _range(scene.elasticity.effective_radius, 1.1, 5.0, where, "effective_radius")
     _range(scene.elasticity.control, 0.0, 10.0, where, "control")
     _range(scene.damping, 0.0, math.inf, where, "damping")
+    for output in scene.outputs:
+        _choice(output, sc.OUTPUTS, where, "outputs")
+    _require(len({*scene.outputs}) == len(scene.outputs), where, "outputs", "names a quantity twice")
     if scene.sample_rate is not None:
         _positive(scene.sample_rate, where, "sample_rate")
         ratio = scene.sample_rate / scene.frame_rate
@@ -194,6 +198,11 @@ def _probe(scene: Scene, probe: Probe) -> None:
     _choice(probe.quantity, sc.PROBE_QUANTITIES[probe.where], where, "quantity")
     if probe.point is not None:
         _vector(probe.point, scene.dimension, where, "point")
+    moment = probe.quantity == "section_moment"
+    reason = "is missing: a section_moment needs the point that it is taken about" if moment else "needs section_moment"
+    _require(moment == (probe.about is not None), where, "about", reason)
+    if probe.about is not None:
+        _vector(probe.about, scene.dimension, where, "about")
     if probe.body is not None:
         _names((probe.body,), scene, where, "target")
     if probe.support is not None:
@@ -208,8 +217,10 @@ def _measurement(scene: Scene, measurement: Measurement) -> None:
     _require(measurement.probe in known, where, "probe", f"names no probe: {measurement.probe!r}")
     own = sc.PROBE_UNITS[known[measurement.probe].quantity][scene.dimension - 2]
     _choice(measurement.unit, ("", *sc.MEASURE_UNITS.get(measurement.measure, (own,))), where, "unit")
-    good = 0 <= measurement.component < max(scene.dimension, 1)
-    _require(good, where, "component", f"must be one of the scene's {scene.dimension} axes")
+    names = component_names(known[measurement.probe].quantity, scene.frame.axes)
+    good = 0 <= measurement.component < max(len(names), 1)
+    reason = f"must be one of the {len(names)} components of its probe" if names else "must be 0: its probe has but one"
+    _require(good, where, "component", reason)
     end = scene.duration if measurement.end is None else measurement.end
     good = 0.0 <= measurement.start < end
     _require(good, where, "start", f"is {measurement.start:g} s, must lie before the end, {end:g} s")

@@ -59,7 +59,7 @@ class History:
             column
             for column, label in enumerate(self.labels[1 : -len(ENERGY_NAMES)], start=1)
             if label.rpartition(" [")[0] == name
-            or re.fullmatch(re.escape(name) + r"\.[xyz]", label.rpartition(" [")[0])
+            or re.fullmatch(re.escape(name) + r"\.[xyz]{1,2}", label.rpartition(" [")[0])
         ]
         if component < len(columns):
             return np.array([row[columns[component]] for row in self.rows])

@@ -22,8 +22,11 @@ NORMALIZATIONS = ("lattice", "particle")
 PLANE_MODELS = ("strain", "stress")
 CONTACTS = ("none", "bodies", "all")
 VELOCITY_FIELDS = ("sine", "free_free_beam", "clamped_free_beam", "twist")
+OUTPUTS = ("stress", "strain", "von_mises", "strain_energy")
+_FIELDS = ("position", "displacement", "velocity", "rotation", *OUTPUTS)
 PROBE_QUANTITIES = {
-    "point": ("position", "displacement", "velocity", "rotation"),
+    "point": _FIELDS,
+    "region": (*_FIELDS, "section_force", "section_moment"),
     "body": ("position", "displacement", "velocity", "momentum", "angular_momentum", "extent", "contact_force"),
     "support": ("reaction",),
 }
@@ -38,6 +41,12 @@ PROBE_UNITS = {
     "angular_momentum": ("kg m/s", "kg m^2/s"),
     "contact_force": ("N/m", "N"),
     "reaction": ("N/m", "N"),
+    "stress": ("Pa", "Pa"),
+    "strain": ("-", "-"),
+    "von_mises": ("Pa", "Pa"),
+    "strain_energy": ("J/m^3", "J/m^3"),
+    "section_force": ("N/m", "N"),
+    "section_moment": ("N", "N m"),
 }
 MEASURES = (
     "frequency",
@@ -226,8 +235,13 @@ class Probe:
     """A quantity recorded through the run: at a point, averaged over a region, of a body, or of a support.
 
     Exactly one of `point`, `region`, `body` and `support` is given; `PROBE_QUANTITIES` lists what each can record
-    (a region records what a point does). A rotation is that of a rotation vector: its angle lies between -pi and pi,
-    with the springs model in 2-D between -4 pi and 4 pi.
+    (a region records the mean of what a point does). A rotation is that of a rotation vector: its angle lies between
+    -pi and pi, with the springs model in 2-D between -4 pi and 4 pi. `warp_mps.elastic.stresses` defines stress and
+    strain; `strain_energy` is per reference volume.
+
+    A section is the cut around a region's particles: `section_force` is the force that the rest of their bodies exerts
+    on them through it, the sum of the elastic forces on them, and `section_moment` its moment about the point `about`,
+    which moves with the body. Contact, loads, weight and supports have no part in them.
 
     Attributes:
         name: Name, the column of probes.csv.
@@ -236,6 +250,7 @@ class Probe:
         region: Shape over whose particles the mean is taken.
         body: Name of a body.
         support: Name of a support.
+        about: Point of the undeformed scene, inside a body, about which a `section_moment` is taken [m].
         path: Where it was described, for error messages.
     """
 
@@ -245,12 +260,13 @@ class Probe:
     region: Shape | None = None
     body: str | None = None
     support: str | None = None
+    about: Vector | None = None
     path: str = ""
 
     @property
     def where(self) -> str:
         """The kind of place it records at, a key of `PROBE_QUANTITIES`."""
-        return "body" if self.body is not None else "support" if self.support is not None else "point"
+        return next((kind for kind in ("body", "support", "region") if getattr(self, kind) is not None), "point")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -261,7 +277,7 @@ class Measurement:
         name: Name of the result, e.g. ``first mode``.
         measure: How it is drawn, one of `MEASURES` (`warp_mps.measure` defines each).
         probe: Name of the probe.
-        component: Component of the probe (0 is x).
+        component: Component of the probe, counted from 0; `warp_mps.components` gives their order.
         unit: Unit of the value, for display; ``Hz`` makes a ``frequency`` cycles a second, else it is in rad/s.
         reference: The value to expect, if one is known.
         source: Where the reference comes from.
@@ -350,6 +366,7 @@ class Scene:
         elasticity: The elastic model.
         contact: Contact between bodies.
         damping: Mass-proportional damping: force -damping * m * v, and likewise a torque where particles rotate [1/s].
+        outputs: What frames hold beside positions, velocities and pressure, names of `OUTPUTS`.
         frame_rate: Saved frames per simulated second [1/s].
         sample_rate: Rows of probes.csv per simulated second, a multiple of `frame_rate` [1/s]; None is `frame_rate`.
         time_step: Time step [s]; None derives it from `courant`. Frames and rows then come every so many whole steps,
@@ -376,6 +393,7 @@ class Scene:
     elasticity: Elasticity = Elasticity()
     contact: Contact = Contact()
     damping: float = 0.0
+    outputs: tuple[str, ...] = ()
     frame_rate: float = 100.0
     sample_rate: float | None = None
     time_step: float | None = None

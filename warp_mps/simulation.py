@@ -165,6 +165,28 @@ class Simulation:
         return self._once("p", self.solid.model.pressures)
 
     @property
+    def stresses(self) -> np.ndarray:
+        """Cauchy stresses along the scene's axes [Pa], shape [n, 3, 3]; see `warp_mps.elastic.stresses`."""
+        return self._once("stress", self.solid.stress_fields).stresses
+
+    @property
+    def strains(self) -> np.ndarray:
+        """Green-Lagrange strains along the scene's axes [-], shape [n, 3, 3]."""
+        return self._once("stress", self.solid.stress_fields).strains
+
+    @property
+    def von_mises(self) -> np.ndarray:
+        """Von Mises stresses [Pa], shape [n]."""
+        from warp_mps.elastic.stresses import von_mises
+
+        return self._once("von Mises", lambda: von_mises(self.stresses))
+
+    @property
+    def strain_energy_densities(self) -> np.ndarray:
+        """Strain energy per reference volume [J/m^3], shape [n]."""
+        return self._once("density", self.solid.energy_densities)
+
+    @property
     def contact_forces(self) -> np.ndarray:
         """Contact forces on the particles [N], shape [n, d]."""
         return self._once("contact", lambda: self._host(self.solid.state.contact))
@@ -173,6 +195,16 @@ class Simulation:
     def internal_forces(self) -> np.ndarray:
         """Elastic and contact forces: the total force less weight and loads [N], shape [n, d]."""
         return self._once("internal", self.solid.internal_forces)
+
+    @property
+    def elastic_forces(self) -> np.ndarray:
+        """Elastic forces on the particles [N], shape [n, d]."""
+        return self._once("elastic", lambda: self.internal_forces - self.contact_forces)
+
+    @property
+    def elastic_torques(self) -> np.ndarray:
+        """Elastic torques on the particles' own rotation [N m], shape [n, 1] in 2-D and [n, 3] in 3-D."""
+        return self._once("torques", self.solid.elastic_torques)
 
     @property
     def reactions(self) -> np.ndarray:

@@ -108,3 +108,12 @@ def test_a_file_that_cannot_be_written_stops_the_run(tmp_path: Path, view: FakeV
     (tmp_path / "out").rmdir()
     with pytest.raises(RunError, match="cannot be written"):
         recorder.observe(view)
+
+
+def test_components_of_a_tensor(tmp_path: Path) -> None:
+    view = view_of(blocks(probes=(Probe(name="root", point=(0.0, 0.0), quantity="stress"), *PROBES)))
+    view.stresses[:] = [[1.0, 4.0, 0.0], [4.0, 2.0, 0.0], [0.0, 0.0, 3.0]]
+    record(tmp_path / "probes.csv", view, [0.0])
+    history = read_history(tmp_path / "probes.csv")
+    assert history.labels[1:5] == ("root.xx [Pa]", "root.yy [Pa]", "root.zz [Pa]", "root.xy [Pa]")
+    assert [history.probe("root", k)[0] for k in range(4)] == pytest.approx([1.0, 2.0, 3.0, 4.0])

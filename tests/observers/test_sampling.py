@@ -8,7 +8,7 @@ import pytest
 from tests.observers.views import FakeView, blocks, view_of
 from warp_mps.errors import InputError
 from warp_mps.observers.sampling import make_sampler
-from warp_mps.scene import Probe
+from warp_mps.scene import Probe, StageFrame
 from warp_mps.shapes import Box
 
 
@@ -107,3 +107,70 @@ def test_a_region_without_particles_is_refused() -> None:
 def test_a_point_in_no_body_is_refused() -> None:
     with pytest.raises(InputError, match=r"^probe 'p' point: .* outside every body"):
         sample(view_of(blocks()), point=(5.0, 5.0))
+
+
+def stressed(dimension: int, **scene: object) -> FakeView:
+    view = view_of(blocks(dimension, **scene))  # type: ignore[arg-type]
+    rng = np.random.default_rng(5)
+    for name in ("stresses", "strains"):
+        half = rng.normal(size=getattr(view, name).shape)
+        setattr(view, name, half + half.transpose(0, 2, 1))
+    for name in ("von_mises", "strain_energy_densities", "displacements", "elastic_forces", "elastic_torques"):
+        setattr(view, name, rng.normal(size=getattr(view, name).shape))
+    return view
+
+
+@pytest.mark.parametrize(
+    ("dimension", "axes", "labels", "places"),
+    [
+        (3, "xyz", ("xx", "yy", "zz", "xy", "xz", "yz"), ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))),
+        (2, "xy", ("xx", "yy", "zz", "xy"), ((0, 0), (1, 1), (2, 2), (0, 1))),
+        # the scene's y is the stage's z, and the normal of the plane is the stage's y
+        (2, "xz", ("xx", "zz", "yy", "xz"), ((0, 0), (1, 1), (2, 2), (0, 1))),
+    ],
+)
+def test_tensors_are_named_by_the_axes_of_the_stage(dimension: int, axes: str, labels: tuple, places: tuple) -> None:
+    view = stressed(dimension, stage=StageFrame(axes=axes))
+    inside = view.particles.positions[:, 1] > 0.1
+    region = Box(size=[2.0, 0.1, 2.0][:dimension], center=[0.0, 0.15, 0.0][:dimension])
+    for quantity, unit, field in (("stress", "Pa", view.stresses), ("strain", "-", view.strains)):
+        probe = Probe(name="p", region=region, quantity=quantity)
+        sampler = make_sampler(probe, view.scene, view.particles)
+        assert sampler.labels == tuple(f"p.{label} [{unit}]" for label in labels)
+        expected = [field[inside][:, row, column].mean() for row, column in places]
+        assert sampler.sample(view) == pytest.approx(expected)
+
+
+def test_scalars_have_one_column() -> None:
+    view = stressed(2)
+    inside = view.particles.positions[:, 1] > 0.1
+    region = Box(size=[2.0, 0.1], center=[0.0, 0.15])
+    assert sample(view, region=region, quantity="von_mises") == pytest.approx(view.von_mises[inside].mean())
+    found = sample(view, region=region, quantity="strain_energy")
+    assert found == pytest.approx(view.strain_energy_densities[inside].mean())
+    view.von_mises = 3.0 + 2.0 * view.particles.positions[:, 0]
+    assert sample(view, point=(0.12, -0.03), quantity="von_mises") == pytest.approx(3.24)
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_a_section_is_the_resultant_of_the_elastic_forces_and_their_moment(dimension: int) -> None:
+    view = stressed(dimension)
+    view.displacements = 0.1 * view.particles.positions[:, ::-1]
+    x = view.particles.positions
+    inside = (x[:, 0] > 0.5) & (x[:, 1] > 0.0)
+    region = Box(size=[1.0, 0.5, 1.0][:dimension], center=[1.0, 0.25, 0.0][:dimension])
+    assert inside.sum() == 4 * 4 ** (dimension - 2)
+    forces = view.elastic_forces[inside]
+    assert sample(view, region=region, quantity="section_force") == pytest.approx(forces.sum(axis=0))
+    about = np.array([0.5, 0.1, 0.0][:dimension])
+    arms = (x + view.displacements)[inside] - about - 0.1 * about[::-1]
+    flat = np.zeros((len(arms), 3)), np.zeros((len(arms), 3))
+    flat[0][:, :dimension], flat[1][:, :dimension] = arms, forces
+    moment = np.cross(*flat).sum(axis=0)[2 if dimension == 2 else slice(None)]
+    expected = moment + view.elastic_torques[inside].sum(axis=0)
+    assert sample(view, region=region, quantity="section_moment", about=about) == pytest.approx(expected)
+
+
+def test_a_moment_about_a_point_in_no_body_is_refused() -> None:
+    with pytest.raises(InputError, match=r"^probe 'p' about: .* outside every body"):
+        sample(view_of(blocks()), region=Box(size=[1, 1]), quantity="section_moment", about=(5.0, 5.0))

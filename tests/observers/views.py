@@ -43,11 +43,20 @@ class FakeView:
     contact_forces: np.ndarray = field(init=False)
     reactions: np.ndarray = field(init=False)
     pressures: np.ndarray = field(init=False)
+    stresses: np.ndarray = field(init=False)
+    strains: np.ndarray = field(init=False)
+    von_mises: np.ndarray = field(init=False)
+    strain_energy_densities: np.ndarray = field(init=False)
+    elastic_forces: np.ndarray = field(init=False)
+    elastic_torques: np.ndarray = field(init=False)
 
     def __post_init__(self) -> None:
         count, dimension = self.particles.positions.shape
-        for name in ("displacements", "velocities", "contact_forces", "reactions"):
+        for name in ("displacements", "velocities", "contact_forces", "reactions", "elastic_forces"):
             setattr(self, name, np.zeros((count, dimension)))
+        self.elastic_torques = np.zeros((count, 2 * dimension - 3))
+        self.stresses, self.strains = np.zeros((2, count, 3, 3))
+        self.von_mises, self.strain_energy_densities = np.zeros((2, count))
         self.rotations = np.zeros((count, 2 * dimension - 3))
         self.angular_velocities = np.zeros((count, 2 * dimension - 3))
         self.pressures = np.zeros(count)

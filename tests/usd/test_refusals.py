@@ -13,6 +13,8 @@ from warp_mps.usd.read import read_stage
 
 SUPPORT = ("Cube", 'token mps:role = "support"')
 PROBE = ("Xform", 'token mps:role = "probe"')
+VON_MISES = 'token mps:quantity = "von_mises"'
+CUT = ("Cube", 'token mps:role = "probe"')
 MEASUREMENT = ("Scope", 'token mps:role = "measurement"', 'token mps:measure = "final"')
 NORMAL = ("rel mps:probe = </P>", 'token mps:component = "z"')
 VARYING = "double mps:spacing.timeSamples = { 0: 1 }"
@@ -83,10 +85,17 @@ def refusal(path: Path, **options: Any) -> InputError:
         ),
         ({"Load": ("Cube", 'token mps:role = "load"')}, "/Load", "mps:force", "neither a force nor an acceleration"),
         ({"P": (*PROBE, 'token mps:quantity = "reaction"')}, "/P", "mps:quantity", "must be one of: position"),
+        ({"P": (*PROBE, 'token mps:quantity = "section_force"')}, "/P", "mps:quantity", "must be one of: position"),
+        ({"P": (*CUT, 'token mps:quantity = "section_moment"')}, "/P", "mps:about", "is missing"),
+        ({"P": (*CUT, "double3 mps:about = (0, 0, 0)")}, "/P", "mps:about", "needs section_moment"),
+        ({"Scene": ('token[] mps:outputs = ["stress", "heat"]',)}, "/Scene", "mps:outputs", "'heat', must be one of"),
+        ({"Scene": ('string[] mps:outputs = ["stress"]',)}, "/Scene", "mps:outputs", "must be token[], not string[]"),
+        ({"Scene": ('token[] mps:outputs = ["strain", "strain"]',)}, "/Scene", "mps:outputs", "names a quantity twice"),
         ({"P": (*PROBE, "rel mps:target = </Steel>")}, "/P", "mps:target", "one body or one support"),
         ({"P": (*PROBE, "double3 xformOp:translate = (0, 0, 1)", MOVE)}, "/P", "xformOpOrder", "out of the plane"),
         ({"M": MEASUREMENT}, "/M", "mps:probe", "is missing"),
-        ({"M": (*MEASUREMENT, *NORMAL), "P": PROBE}, "/M", "mps:component", "must be one of xy"),
+        ({"M": (*MEASUREMENT, *NORMAL), "P": PROBE}, "/M", "mps:component", "must be one of: x, y"),
+        ({"M": (*MEASUREMENT, *NORMAL), "P": (*PROBE, VON_MISES)}, "/M", "mps:component", "one component only"),
         ({"Mesh": ("Mesh", 'token mps:role = "support"')}, "/Mesh", "points", "is empty"),
     ],
 )  # fmt: skip

@@ -81,6 +81,8 @@ def rich_scene(dimension: int, frame: StageFrame | None) -> Scene:
     probes = (
         Probe(name="tip", point=pad((0.65, 0.15), dimension), quantity="velocity"),
         Probe(name="middle", region=Box((0.2, 0.2))),
+        Probe(name="cut", region=Box((2.0, 0.9)), quantity="section_moment", about=pad((0.6, 0.2), dimension)),
+        Probe(name="strain", point=pad((0.65, 0.15), dimension), quantity="strain"),
         Probe(name="push", support="clamp", quantity="reaction"),
         Probe(name="spin", body="ball", quantity="angular_momentum"),
     )
@@ -88,6 +90,7 @@ def rich_scene(dimension: int, frame: StageFrame | None) -> Scene:
         Measurement(
             name="first mode", measure="frequency", probe="tip", component=1, unit="Hz", reference=12.3456789012345
         ),
+        Measurement(name="shear", measure="maximum", probe="strain", component=3),
         Measurement(
             name="first-mode", measure="harmonic_phase", probe="push", frequency=2.0, source="Rao", start=0.1, end=0.4
         ),
@@ -96,7 +99,8 @@ def rich_scene(dimension: int, frame: StageFrame | None) -> Scene:
         name="rich", bodies=bodies, supports=supports, loads=loads, probes=probes, measurements=measurements,
         duration=0.5, dimension=dimension, plane="stress" if dimension == 2 else "strain", stage=frame,
         gravity=pad((1.0, -9.75), dimension), elasticity=Elasticity(effective_radius=2.6, normalization="particle"),
-        contact=Contact(between="all", stiffness=0.5), damping=0.25, frame_rate=50.0, sample_rate=400.0,
+        contact=Contact(between="all", stiffness=0.5), damping=0.25,
+        outputs=("von_mises", "stress"), frame_rate=50.0, sample_rate=400.0,
         time_step=1.2345678901e-6, courant=0.2,
     )  # fmt: skip
 

@@ -13,6 +13,7 @@ from warp_mps.elastic.hamiltonian import hamiltonian_kernels
 from warp_mps.elastic.material import law_constants
 from warp_mps.elastic.model import Pass
 from warp_mps.elastic.state import ElasticState
+from warp_mps.elastic.stresses import StressFields, stress_fields, stress_kernels
 from warp_mps.errors import InputError
 from warp_mps.particles import Particles
 from warp_mps.scene import LAWS, Scene
@@ -37,7 +38,7 @@ class HamiltonianModel:
     spins = None
 
     def __init__(self, scene: Scene, particles: Particles, *, kit: Kit, device: Any) -> None:
-        self._kernels, self._device = hamiltonian_kernels(kit), device
+        self._kernels, self._kit, self._device = hamiltonian_kernels(kit), kit, device
         n, d = particles.count, particles.dimension
         reach = scene.elasticity.effective_radius * particles.spacings
         self.start, self.index = reference_neighbours(particles.positions, particles.groups, reach, device=device)
@@ -78,6 +79,17 @@ class HamiltonianModel:
         shape = np.linalg.inv(self._inverse_shape.numpy().astype(float))
         p = (self.pull.numpy() + kappa_h) @ shape / self._volume.numpy()[:, None, None]
         return -np.einsum("nij,nij->n", p, f) / np.linalg.det(f) / f.shape[-1]
+
+    def stress_fields(self, state: ElasticState) -> StressFields:
+        """Stresses and strains at the last evaluation of the stresses."""
+        return stress_fields(self.gradient, self._constants(), kit=self._kit, device=self._device)
+
+    def energy_densities(self, state: ElasticState) -> np.ndarray:
+        """Strain energy per reference volume, without that of the zero-energy modes' control [J/m^3], shape [n]."""
+        densities = wp.empty(len(self.gradient), dtype=self._kit.real, device=self._device)
+        inputs = [*self._constants(), self.gradient]
+        wp.launch(stress_kernels(self._kit).density, len(densities), inputs, [densities], device=self._device)
+        return densities.numpy().astype(float)
 
     def rotations(self) -> np.ndarray:
         """Rotation vectors of R in F = R U [rad], shape [n, 1] in 2-D and [n, 3] in 3-D."""

@@ -30,7 +30,7 @@ TERMS = 12
 
 @functools.cache
 def law_funcs(kit: Kit) -> SimpleNamespace:
-    """Device functions `stress` and `energy_density`, which switch between the laws by number."""
+    """Device functions `stress`, `energy_density`, `stress_across`, `strain_across`; they switch laws by number."""
     real, mat = kit.real, kit.mat
     one, half, two = real(1.0), real(0.5), real(2.0)
 
@@ -74,6 +74,12 @@ def law_funcs(kit: Kit) -> SimpleNamespace:
         return s
 
     @kit.func(METHOD)
+    def log_volume(h: mat) -> real:
+        """Logarithm of J."""
+        growth = wp.trace(h) + volume_beyond_trace(h)
+        return growth - log_defect(growth)
+
+    @kit.func(METHOD)
     def stress(law: wp.int32, h: mat, lame: real, mu: real, plane_stress: wp.int32) -> mat:
         """First Piola-Kirchhoff stress P of H."""
         f = h + wp.identity(n=wp.static(kit.dimension), dtype=real)
@@ -81,8 +87,7 @@ def law_funcs(kit: Kit) -> SimpleNamespace:
             e = half * (h + wp.transpose(h) + wp.transpose(h) * h)
             s = two * mu * e + lame * wp.trace(e) * wp.identity(n=wp.static(kit.dimension), dtype=real)
             return f * s
-        growth = wp.trace(h) + volume_beyond_trace(h)
-        log_j = growth - log_defect(growth)
+        log_j = log_volume(h)
         log_j += across(log_j, lame, mu, plane_stress)
         left = mu * (h + wp.transpose(h) + h * wp.transpose(h))
         left += lame * log_j * wp.identity(n=wp.static(kit.dimension), dtype=real)
@@ -103,4 +108,25 @@ def law_funcs(kit: Kit) -> SimpleNamespace:
         strain = defect - beyond + exp_excess(two * s)
         return half * mu * strain + half * lame * (log_j + s) * (log_j + s)
 
-    return SimpleNamespace(stress=stress, energy_density=energy_density)
+    @kit.func(METHOD)
+    def stress_across(law: wp.int32, h: mat, lame: real, mu: real, plane_stress: wp.int32) -> real:
+        """Kirchhoff stress J sigma across the plane."""
+        if plane_stress == 1:
+            return real(0.0)
+        if law == 0:
+            return lame * (wp.trace(h) + half * wp.ddot(h, h))
+        return lame * log_volume(h)
+
+    @kit.func(METHOD)
+    def strain_across(law: wp.int32, h: mat, lame: real, mu: real, plane_stress: wp.int32) -> real:
+        """Green-Lagrange strain across the plane; of the linear law -lambda/(2 mu) tr(E), lambda that of eq. 3."""
+        if plane_stress == 0:
+            return real(0.0)
+        if law == 0:
+            return -lame / (two * mu) * (wp.trace(h) + half * wp.ddot(h, h))
+        s = across(log_volume(h), lame, mu, plane_stress)
+        return s + half * exp_excess(two * s)
+
+    return SimpleNamespace(
+        stress=stress, energy_density=energy_density, stress_across=stress_across, strain_across=strain_across
+    )

@@ -9,6 +9,7 @@ import warp as wp
 from warp_mps.core.kit import Kit
 from warp_mps.elastic.spins import Spins
 from warp_mps.elastic.state import ElasticState
+from warp_mps.elastic.stresses import StressFields
 from warp_mps.particles import Particles
 from warp_mps.scene import Scene
 
@@ -36,6 +37,12 @@ class ElasticModel(Protocol):
 
     def pressures(self) -> np.ndarray:
         """Pressures at the last evaluation of the forces [Pa], shape [n]."""
+
+    def stress_fields(self, state: ElasticState) -> StressFields:
+        """Stresses and strains; see `warp_mps.elastic.stresses`."""
+
+    def energy_densities(self, state: ElasticState) -> np.ndarray:
+        """Strain energy per reference volume [J/m^3], shape [n]."""
 
     def rotations(self) -> np.ndarray:
         """Rotation vectors [rad], shape [n, 1] in 2-D and [n, 3] in 3-D."""

@@ -22,13 +22,14 @@ from warp_mps.elastic.outside import Outside
 from warp_mps.elastic.spin import spin_kernels
 from warp_mps.elastic.springs import spring_kernels
 from warp_mps.elastic.state import ElasticState, initial_state
+from warp_mps.elastic.stresses import StressFields, stress_kernels
 from warp_mps.energy import Energy
 from warp_mps.particles import Particles
 from warp_mps.scene import Scene
 
 KERNELS = (
     *(spring_kernels, spin_kernels, hamiltonian_kernels),
-    *(motion_kernels, load_kernels, contact_kernels, energy_kernels),
+    *(motion_kernels, load_kernels, contact_kernels, energy_kernels, stress_kernels),
 )
 
 
@@ -172,6 +173,20 @@ class Solid:
         loads = wp.zeros_like(self.state.force)
         self.outside.push(loads, self._mass)
         return self.state.force.numpy().astype(float) - weight - loads.numpy()
+
+    def elastic_torques(self) -> np.ndarray:
+        """Elastic torques on the particles' own rotation [N m], shape [n, 1] in 2-D and [n, 3] in 3-D."""
+        if self.model.spins:
+            return self.model.spins.torque.numpy().astype(float)
+        return np.zeros((self._n, 2 * self._kit.dimension - 3))
+
+    def stress_fields(self) -> StressFields:
+        """Stresses and strains of the present state."""
+        return self.model.stress_fields(self.state)
+
+    def energy_densities(self) -> np.ndarray:
+        """Strain energy of each particle per reference volume [J/m^3], shape [n]."""
+        return self.model.energy_densities(self.state)
 
     def arrays(self) -> dict[str, np.ndarray]:
         """Everything that evolves, for a checkpoint."""

@@ -14,6 +14,7 @@ from warp_mps.elastic.model import Pass
 from warp_mps.elastic.spins import Spins
 from warp_mps.elastic.springs import spring_kernels
 from warp_mps.elastic.state import ElasticState
+from warp_mps.elastic.stresses import StressFields, stress_fields, stress_kernels
 from warp_mps.particles import Particles
 from warp_mps.scene import Scene
 
@@ -35,7 +36,7 @@ class SpringModel:
 
     def __init__(self, scene: Scene, particles: Particles, held: np.ndarray, *, kit: Kit, device: Any) -> None:
         self.kernels = spring_kernels(kit)
-        self.device = device
+        self._kit, self.device = kit, device
         self.spins = Spins(particles, held, kit=kit, device=device)
         self.pressure = wp.zeros(particles.count, dtype=kit.real, device=device)
         d, n, radius = particles.dimension, particles.count, scene.elasticity.effective_radius
@@ -43,6 +44,7 @@ class SpringModel:
         self.start, self.index = reference_neighbours(particles.positions, particles.groups, reach, device=device)
         lame = np.array([lame_constants(body.material, d, scene.plane) for body in scene.bodies])[particles.bodies]
         self.volume = particles.spacings**d
+        self._lame, self._plane_stress = lame, int(d == 2 and scene.plane == "stress")
 
         def double(values: np.ndarray) -> wp.array:
             return wp.array(values, dtype=wp.float64, device=device)
@@ -77,6 +79,22 @@ class SpringModel:
     def pressures(self) -> np.ndarray:
         """Pressure p_i = -lambda (div u)_i of each particle (eq. 14) [Pa], shape [n]."""
         return -self.pressure.numpy().astype(float) * self.number_density / self.volume
+
+    def stress_fields(self, state: ElasticState) -> StressFields:
+        """Stresses and strains of the deformation that fits the neighbours best."""
+        gradients = wp.empty(len(state.u), dtype=self._kit.mat, device=self.device)
+        inputs = [self.start, self.index, self.bond, self.area, state.u, self.spins.q]
+        wp.launch(stress_kernels(self._kit).fit, len(gradients), inputs, [gradients], device=self.device)
+        laws = wp.zeros(len(gradients), dtype=wp.int32, device=self.device)
+        constants = [wp.array(values, dtype=self._kit.real, device=self.device) for values in self._lame.T]
+        constants = [laws, *constants, self._plane_stress]
+        return stress_fields(gradients, constants, kit=self._kit, device=self.device)
+
+    def energy_densities(self, state: ElasticState) -> np.ndarray:
+        """Energy of the springs and of the volume change per reference volume [J/m^3], shape [n]."""
+        energies = wp.empty(len(state.u), dtype=self._kit.real, device=self.device)
+        self.launch_energy(state, energies)
+        return energies.numpy().astype(float) / self.volume
 
     def rotations(self) -> np.ndarray:
         """Rotation vectors [rad], shape [n, 1] in 2-D and [n, 3] in 3-D."""

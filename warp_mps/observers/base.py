@@ -66,12 +66,36 @@ class View(Protocol):
         """Pressures [Pa], shape [n]."""
 
     @property
+    def stresses(self) -> np.ndarray:
+        """Cauchy stresses [Pa], shape [n, 3, 3]; in 2-D the third axis is the normal of the plane."""
+
+    @property
+    def strains(self) -> np.ndarray:
+        """Green-Lagrange strains [-], shape [n, 3, 3]."""
+
+    @property
+    def von_mises(self) -> np.ndarray:
+        """Von Mises stresses [Pa], shape [n]."""
+
+    @property
+    def strain_energy_densities(self) -> np.ndarray:
+        """Strain energy per reference volume [J/m^3], shape [n]."""
+
+    @property
     def contact_forces(self) -> np.ndarray:
         """Contact forces on the particles [N], shape [n, dimension]."""
 
     @property
     def internal_forces(self) -> np.ndarray:
         """Elastic and contact forces on the particles [N], shape [n, dimension]."""
+
+    @property
+    def elastic_forces(self) -> np.ndarray:
+        """Elastic forces on the particles [N], shape [n, dimension]."""
+
+    @property
+    def elastic_torques(self) -> np.ndarray:
+        """Elastic torques on the particles' own rotation [N m], shape [n, 1] in 2-D and [n, 3] in 3-D."""
 
     @property
     def reactions(self) -> np.ndarray:

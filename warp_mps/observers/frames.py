@@ -6,12 +6,13 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from warp_mps.observers.base import View
+from warp_mps.observers.sampling import FIELDS
 from warp_mps.particles import Particles
 from warp_mps.scene import Scene
 
 
 class FrameRecorder:
-    """Writes positions, velocities and pressures as a USD animation.
+    """Writes positions, velocities, pressures and the outputs of the scene as a USD animation.
 
     Args:
         path: The file to write, ending in ``.usdc``.
@@ -38,7 +39,8 @@ class FrameRecorder:
         from warp_mps.usd.animation import AnimationWriter
 
         self.every = every
-        rate, primvars = scene.frame_rate, ("pressure",)
+        self._outputs = scene.outputs
+        rate, primvars = scene.frame_rate, ("pressure", *scene.outputs)
         if resume_after is None:
             self._writer = AnimationWriter(
                 path, particles, scene.frame, frame_rate=rate, provenance=provenance, primvars=primvars
@@ -60,7 +62,8 @@ class FrameRecorder:
         Raises:
             RunError: The file cannot be written.
         """
-        self._writer.write(view.time, view.positions, view.velocities, pressure=view.pressures)
+        outputs = {name: getattr(view, FIELDS[name]) for name in self._outputs}
+        self._writer.write(view.time, view.positions, view.velocities, pressure=view.pressures, **outputs)
 
     def close(self) -> None:
         """Finish the file."""

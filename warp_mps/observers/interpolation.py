@@ -20,7 +20,9 @@ LARGEST = 8.0 * RADIUS
 LEAST_SINGULAR = 1e-3
 
 
-def interpolate(particles: Particles, point: np.ndarray, where: str) -> tuple[np.ndarray, np.ndarray]:
+def interpolate(
+    particles: Particles, point: np.ndarray, where: str, attribute: str = "point"
+) -> tuple[np.ndarray, np.ndarray]:
     """Particles and weights that give a field's value at a point of the undeformed scene.
 
     Only particles of the nearest body take part.
@@ -29,6 +31,7 @@ def interpolate(particles: Particles, point: np.ndarray, where: str) -> tuple[np
         particles: The particles.
         point: The point [m], shape [dimension].
         where: What the point belongs to, for the error message.
+        attribute: Which of its attributes the point is, for the error message.
 
     Returns:
         Indices of the particles and their weights, both of shape [k].
@@ -41,7 +44,7 @@ def interpolate(particles: Particles, point: np.ndarray, where: str) -> tuple[np
     spacing = float(particles.spacings[nearest])
     if not distances[nearest] <= spacing:
         reason = f"{_text(point)} m lies outside every body; the nearest particle is {distances[nearest]:.3g} m away"
-        raise InputError(where, "point", reason)
+        raise InputError(where, attribute, reason)
     body = particles.bodies == particles.bodies[nearest]
     radius = RADIUS * spacing
     while True:

@@ -8,13 +8,22 @@ from dataclasses import dataclass
 import numpy as np
 
 from warp_mps.checks import place
+from warp_mps.components import TENSORS, component_names, tensor_places
 from warp_mps.errors import InputError
 from warp_mps.observers.base import View
 from warp_mps.observers.interpolation import interpolate
 from warp_mps.particles import Particles, select
 from warp_mps.scene import PROBE_UNITS, Probe, Scene
 
-AXIAL = ("rotation", "angular_momentum")
+FIELDS = {
+    "displacement": "displacements",
+    "velocity": "velocities",
+    "rotation": "rotations",
+    "stress": "stresses",
+    "strain": "strains",
+    "von_mises": "von_mises",
+    "strain_energy": "strain_energy_densities",
+}
 Sample = Callable[[View], np.ndarray]
 
 
@@ -50,9 +59,8 @@ def make_sampler(probe: Probe, scene: Scene, particles: Particles) -> Sampler:
 def _labels(probe: Probe, scene: Scene) -> tuple[str, ...]:
     """Labels with the axes of the stage, which are those that a person knows."""
     unit = PROBE_UNITS[probe.quantity][scene.dimension - 2]
-    if probe.quantity in AXIAL and scene.dimension == 2:
-        return (f"{probe.name} [{unit}]",)
-    return tuple(f"{probe.name}.{axis} [{unit}]" for axis in scene.frame.axes)
+    names = component_names(probe.quantity, scene.frame.axes)
+    return tuple(f"{probe.name}.{name} [{unit}]" for name in names) or (f"{probe.name} [{unit}]",)
 
 
 def _of_place(probe: Probe, particles: Particles) -> Sample:
@@ -65,6 +73,10 @@ def _of_place(probe: Probe, particles: Particles) -> Sample:
     indices = select(particles, probe.region)
     if len(indices) == 0:
         raise InputError(where, "region", "holds no particle: it must reach into a body")
+    if probe.quantity == "section_force":
+        return _sum("elastic_forces", indices)
+    if probe.quantity == "section_moment":
+        return _section_moment(probe, particles, indices)
     weights = np.full(len(indices), 1.0 / len(indices))
     return _mean(probe.quantity, weights @ particles.positions[indices], indices, weights)
 
@@ -91,12 +103,28 @@ def _mean(quantity: str, origin: np.ndarray, indices: np.ndarray, weights: np.nd
     """Weighted mean of a field; a position is the origin moved by the mean displacement, to lose no digits."""
     if quantity == "position":
         return lambda view: origin + weights @ view.displacements[indices]
-    field = {"displacement": "displacements", "velocity": "velocities", "rotation": "rotations"}[quantity]
-    return lambda view: weights @ getattr(view, field)[indices]
+    field = FIELDS[quantity]
+    if quantity in TENSORS:
+        rows, columns = zip(*tensor_places(len(origin)), strict=True)
+        return lambda view: weights @ getattr(view, field)[indices][:, rows, columns]
+    return lambda view: np.atleast_1d(weights @ getattr(view, field)[indices])
 
 
 def _sum(field: str, indices: np.ndarray) -> Sample:
     return lambda view: getattr(view, field)[indices].sum(axis=0)
+
+
+def _section_moment(probe: Probe, particles: Particles, indices: np.ndarray) -> Sample:
+    """Sum of (x - c) cross f and of the torques on the particles' own rotation, c the displaced point `about`."""
+    origin = np.asarray(probe.about, dtype=float)
+    near, weights = interpolate(particles, origin, place(probe, "probe"), "about")
+    arms = particles.positions[indices] - origin
+
+    def sample(view: View) -> np.ndarray:
+        moved = view.displacements[indices] - weights @ view.displacements[near]
+        return (_cross(arms + moved, view.elastic_forces[indices]) + view.elastic_torques[indices]).sum(axis=0)
+
+    return sample
 
 
 def _angular_momentum(particles: Particles, indices: np.ndarray) -> Sample:

@@ -26,6 +26,18 @@ def to_stage_axes(values: np.ndarray, frame: StageFrame) -> np.ndarray:
     return mapped
 
 
+def tensors_to_stage_axes(values: np.ndarray, frame: StageFrame) -> np.ndarray:
+    """Turn symmetric tensors [n, 3, 3] along the scene's axes, the third a plane's normal, to those of the stage.
+
+    Which way the normal points does not matter: there is no shear across the plane.
+    """
+    axes = ["xyz".index(axis) for axis in frame.axes]
+    axes += [axis for axis in range(3) if axis not in axes]
+    mapped = np.zeros_like(values)
+    mapped[:, np.array(axes)[:, None], axes] = values
+    return mapped
+
+
 class AnimationWriter:
     """Writes the particles of a run, frame by frame, so that the file can be opened whenever the writer dies.
 
@@ -108,7 +120,7 @@ class AnimationWriter:
             time: Simulated time [s].
             positions: Positions [m], shape [n, dimension].
             velocities: Velocities [m/s], shape [n, dimension].
-            primvars: The quantities named at construction, shape [n], [n, 1] or [n, dimension].
+            primvars: The quantities named at construction, shape [n], [n, 1], [n, dimension] or [n, 3, 3].
 
         Raises:
             RunError: The file cannot be written.
@@ -134,6 +146,8 @@ class AnimationWriter:
         return round(time * self._rate, 6)
 
     def _primvar(self, value: np.ndarray) -> np.ndarray:
+        if value.ndim == 3:
+            return tensors_to_stage_axes(value, self._frame)
         if value.ndim == 2 and value.shape[1] > 1:
             return to_stage_axes(value, self._frame)
         return value.reshape(-1).astype(np.float32)

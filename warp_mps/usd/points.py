@@ -58,7 +58,7 @@ class PointsFile:
         self._stage.GetRootLayer().customLayerData = dict(provenance)
 
     def write(self, code: float, values: Mapping[str, np.ndarray]) -> None:
-        """Set the quantities at a time code; all particles, float32, shape [n] or [n, 3]."""
+        """Set the quantities at a time code; all particles, float32, shape [n] or [n, 3], or float64, [n, 3, 3]."""
         for index, (first, last) in enumerate(self._ranges):
             self._write_body(index, code, {name: value[first:last] for name, value in values.items()})
         if not self._stage.HasAuthoredTimeCodeRange():
@@ -170,7 +170,9 @@ def _width(particles: Particles, bounds: tuple[int, int], frame: StageFrame) -> 
 
 
 def _set_primvar(points: Any, name: str, value: np.ndarray, code: float) -> None:
-    vector = value.ndim == 2
-    kind = Sdf.ValueTypeNames.Vector3fArray if vector else Sdf.ValueTypeNames.FloatArray
-    array = Vt.Vec3fArray.FromNumpy(value) if vector else Vt.FloatArray.FromNumpy(value)
+    types = Sdf.ValueTypeNames
+    kinds = {1: (types.FloatArray, Vt.FloatArray), 2: (types.Vector3fArray, Vt.Vec3fArray)}
+    # USD has no matrix of single precision
+    kind, arrays = kinds.get(value.ndim, (types.Matrix3dArray, Vt.Matrix3dArray))
+    array = arrays.FromNumpy(value)
     UsdGeom.PrimvarsAPI(points).CreatePrimvar(name, kind, UsdGeom.Tokens.vertex).Set(array, code)

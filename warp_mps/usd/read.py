@@ -8,6 +8,7 @@ from typing import Any
 
 from pxr import Usd, UsdShade
 
+from warp_mps.components import component_names
 from warp_mps.errors import InputError
 from warp_mps.scene import Body, Contact, Elasticity, Load, Material, Measurement, Probe, Scene, Support
 from warp_mps.shapes import Shape, particle_count
@@ -68,10 +69,11 @@ class _Reader:
         values = self._values(self.physics, "scene")
         options = values.fields(
             *("mps:duration", "mps:planeModel", "mps:frameRate", "mps:sampleRate"),
-            *("mps:timeStep", "mps:courant", "mps:damping"),
+            *("mps:timeStep", "mps:courant", "mps:damping", "mps:outputs"),
         )
         contact = values.fields("mps:contact", "mps:contactStiffness")
         renamed = {"contact": "between", "contact_stiffness": "stiffness"}
+        probes = {probe.name: probe for probe in map(self._probe, self.parts["probe"])}
         return Scene(
             name=name,
             description=self.stage.GetRootLayer().documentation,
@@ -80,8 +82,8 @@ class _Reader:
             bodies=tuple(self._body(prim) for prim in self.parts["body"]),
             supports=tuple(self._support(prim) for prim in self.parts["support"]),
             loads=tuple(self._load(prim) for prim in self.parts["load"]),
-            probes=tuple(self._probe(prim) for prim in self.parts["probe"]),
-            measurements=tuple(self._measurement(prim) for prim in self.parts["measurement"]),
+            probes=tuple(probes.values()),
+            measurements=tuple(self._measurement(prim, probes) for prim in self.parts["measurement"]),
             elasticity=Elasticity(
                 **values.fields("mps:elasticModel", "mps:effectiveRadius", "mps:normalization", "mps:control")
             ),
@@ -154,7 +156,9 @@ class _Reader:
             place = {"region": self._region(values)}
         else:
             place = {"point": parts.origin(prim, self.frame)}
-        return Probe(name=self._name(prim, "probe"), path=values.path, **place, **values.fields("mps:quantity"))
+        return Probe(
+            name=self._name(prim, "probe"), path=values.path, **place, **values.fields("mps:quantity", "mps:about")
+        )
 
     def _target(self, values: Values, targets: list[str]) -> dict[str, str]:
         for role in ("body", "support"):
@@ -162,22 +166,30 @@ class _Reader:
                 return {role: self.names[role][targets[0]]}
         raise InputError(values.path, "mps:target", "must lead to one body or one support")
 
-    def _measurement(self, prim: Usd.Prim) -> Measurement:
+    def _measurement(self, prim: Usd.Prim, known: Mapping[str, Probe]) -> Measurement:
         values = self._values(prim, "measurement")
         probes = self._named(values, "mps:probe", "probe")
         if len(probes) != 1:
             raise InputError(values.path, "mps:probe", f"must lead to one probe, not {len(probes)}")
-        axis = values.get("mps:component") or self.frame.stage.axes[0]
-        if axis not in self.frame.stage.axes:
-            raise InputError(values.path, "mps:component", f"is {axis!r}, must be one of {self.frame.stage.axes}")
+        component = self._component(values, known[probes[0]].quantity)
         return Measurement(
             name=prim.GetDisplayName() or prim.GetName(),
             probe=probes[0],
-            component=self.frame.stage.axes.index(axis),
+            component=component,
             path=values.path,
             **values.fields("mps:measure", "mps:reference", "mps:unit", "mps:source"),
             **values.fields("mps:start", "mps:end", "mps:frequency"),
         )
+
+    def _component(self, values: Values, quantity: str) -> int:
+        """Number of the component that is named, the first if none is."""
+        name, names = values.get("mps:component"), component_names(quantity, self.frame.stage.axes)
+        if name is None:
+            return 0
+        if name not in names:
+            known = f"must be one of: {', '.join(names)}" if names else f"but {quantity} has one component only"
+            raise InputError(values.path, "mps:component", f"is {name!r}, {known}")
+        return names.index(name)
 
     def _values(self, prim: Usd.Prim, role: str) -> Values:
         values = Values(prim, role, self.frame)

@@ -9,6 +9,7 @@ import numpy as np
 from pxr import Gf, Sdf, Tf, Usd, UsdGeom, UsdPhysics, UsdShade
 
 from warp_mps import scene as sc
+from warp_mps.components import component_names
 from warp_mps.errors import InputError
 from warp_mps.shapes import Cylinder, Points
 from warp_mps.usd import register_schema
@@ -97,6 +98,7 @@ class _Writer:
             "mps:timeStep": scene.time_step,
             "mps:courant": scene.courant,
             "mps:damping": scene.damping,
+            "mps:outputs": scene.outputs,
             "mps:elasticModel": scene.elasticity.model,
             "mps:effectiveRadius": scene.elasticity.effective_radius,
             "mps:control": scene.elasticity.control,
@@ -168,7 +170,7 @@ class _Writer:
             prim = xform.GetPrim()
             if probe.point is not None:
                 xform.AddTranslateOp().Set(Gf.Vec3d(*self.frame.vectors_to_stage(probe.point, _POINT).tolist()))
-        self._author(prim, "probe", {"mps:quantity": probe.quantity})
+        self._author(prim, "probe", {"mps:quantity": probe.quantity, "mps:about": probe.about})
         for kind, name in (("Bodies", probe.body), ("Supports", probe.support)):
             self._relate(prim, "mps:target", kind, () if name is None else (name,))
 
@@ -180,7 +182,9 @@ class _Writer:
         prim.SetDisplayName(measurement.name)
         parts = ("measure", "unit", "reference", "source", "start", "end", "frequency")
         values = {f"mps:{part}": getattr(measurement, part) for part in parts}
-        values["mps:component"] = self.frame.stage.axes[measurement.component]
+        probe = next(probe for probe in self.scene.probes if probe.name == measurement.probe)
+        names = component_names(probe.quantity, self.frame.stage.axes)
+        values["mps:component"] = names[measurement.component] if names else None
         self._author(prim, "measurement", values)
         self._relate(prim, "mps:probe", "Probes", (measurement.probe,))
 

@@ -76,7 +76,9 @@ def _schema(role: str) -> str:
 def _property(row: Attribute) -> list[str]:
     meaning = row.meaning + (f" [{row.unit}]" if row.unit else "")
     default = "" if row.default is None or row.kind == "rel" else f" = {_value(row)}"
-    allowed = [f"        allowedTokens = {_tokens(row.allowed)}"] if row.allowed and row.kind == "token" else []
+    allowed = (
+        [f"        allowedTokens = {_tokens(row.allowed)}"] if row.allowed and row.kind.startswith("token") else []
+    )
     return [f"    {row.kind} {row.name}{default} (", *allowed, f"        doc = {_quoted(meaning)}", "    )"]
 
 

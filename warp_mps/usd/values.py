@@ -6,7 +6,7 @@ import difflib
 from typing import Any
 
 import numpy as np
-from pxr import Usd
+from pxr import Usd, Vt
 
 from warp_mps.errors import InputError
 from warp_mps.usd.attributes import ROLE, TABLE, Attribute
@@ -54,8 +54,9 @@ class Values:
                 raise InputError(self.path, name, f"is missing: {row.meaning}")
             return None
         value = typed(self.prim.GetAttribute(name), row)
-        if row.allowed and str(value) not in row.allowed:
-            raise InputError(self.path, name, f"is {value!r}, must be one of: {', '.join(row.allowed)}")
+        wrong = [name for name in (value if row.kind == "token[]" else [value]) if str(name) not in row.allowed]
+        if row.allowed and wrong:
+            raise InputError(self.path, name, f"is {wrong[0]!r}, must be one of: {', '.join(row.allowed)}")
         if row.kind in ("double", "float"):
             return value * self.frame.factor(row)
         if row.kind == "double[]":
@@ -111,7 +112,7 @@ def typed(attribute: Usd.Attribute, row: Attribute) -> Any:
     plain = _plain(value, row.kind)
     if plain is None:
         raise InputError(path, row.name, f"must be {row.kind}, not {attribute.GetTypeName()}")
-    if row.kind not in ("token", "string", "bool") and not np.isfinite(plain).all():
+    if row.kind not in ("token", "token[]", "string", "bool") and not np.isfinite(plain).all():
         raise InputError(path, row.name, "must be finite")
     return plain
 
@@ -128,6 +129,8 @@ def _plain(value: Any, kind: str) -> Any:
         return None if not number else shortest(value) if kind == "float" else float(value)
     if kind in ("token", "string", "int", "bool"):
         return value if type(value) is {"int": int, "bool": bool}.get(kind, str) else None
+    if kind == "token[]":
+        return tuple(value) if isinstance(value, Vt.TokenArray) else None
     return None if isinstance(value, str) or not hasattr(value, "__len__") else _array(value, kind)
 
 
