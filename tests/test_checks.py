@@ -17,6 +17,7 @@ from warp_mps.scene import (
     Contact,
     Elasticity,
     HarmonicMotion,
+    HarmonicRotation,
     Load,
     Material,
     Measurement,
@@ -25,7 +26,9 @@ from warp_mps.scene import (
     StageFrame,
     Support,
     TableMotion,
+    TableRotation,
     VelocityField,
+    Wall,
 )
 from warp_mps.shapes import Box
 
@@ -34,6 +37,8 @@ REGION = Box((1.0, 1.0))
 POINT = {"point": (0.0, 0.0)}
 SWING = HarmonicMotion(amplitude=(0.0, 1e-3), frequency=5.0)
 STEPS = TableMotion(times=np.array([0.0, 1.0]), displacements=np.zeros((2, 2)))
+TURN = HarmonicRotation(amplitude=0.1, frequency=5.0, pivot=(0.0, 0.0))
+ANGLES = TableRotation(times=np.array([0.0, 1.0]), angles=np.zeros(2), pivot=(0.0, 0.0))
 FIELD = VelocityField(kind="sine", amplitude=(0.0, 1.0), axis=(1.0, 0.0), origin=(0.0, 0.0), length=1.0)
 
 
@@ -61,6 +66,22 @@ def material(**fields: Any) -> dict[str, Any]:
 def support(**fields: Any) -> dict[str, Any]:
     """Fields of a scene with a support."""
     return {"supports": (Support(**{"name": "grip", "region": REGION, "path": "/World/grip", **fields}),)}
+
+
+def wall(**fields: Any) -> dict[str, Any]:
+    """Fields of a scene with a wall."""
+    good = {"name": "floor", "shape": Box((1.0, 0.1), (0.0, -1.0)), "spacing": 0.01, "path": "/World/floor"}
+    return {"walls": (Wall(**{**good, **fields}),)}
+
+
+def turning(**fields: Any) -> dict[str, Any]:
+    """Fields of a scene with a wall that turns."""
+    return wall(rotation=replace(TURN, **fields))
+
+
+def solid(**fields: Any) -> dict[str, Any]:
+    """Fields of a 3-D scene with a wall that turns."""
+    return {**turning(pivot=(0.0, 0.0, 0.0), **fields), "dimension": 3, "probes": ()}
 
 
 def load(**fields: Any) -> dict[str, Any]:
@@ -114,6 +135,29 @@ BROKEN: list[tuple[str, str, str, dict[str, Any]]] = [
     ("/World/block", "name", "is empty", body(name="")),
     ("/World/block", "name", "letters, digits and _", body(name="my block")),
     ("/World/rubber", "law", "must be one of: st_venant", material(law="jelly")),
+    ("/World/floor", "name", "is also that of a body", wall(name="block")),
+    ("/World/floor", "name", "is used twice", {"walls": wall()["walls"] * 2}),
+    ("/World/floor", "name", "letters, digits and _", wall(name="a floor")),
+    ("/World/floor", "spacing", "above 0", wall(spacing=0.0)),
+    ("/World/floor", "node_axes", "among x, y and z", wall(node_axes=(3,))),
+    ("/World/floor", "slip", "must be one of: free, no", wall(slip="some")),
+    ("/World/floor", "motion.frequency", "above 0", wall(motion=replace(SWING, frequency=0.0))),
+    ("/World/floor", "motion.times", "increase", wall(motion=replace(STEPS, times=np.array([1.0, 0.0])))),
+    ("/World/floor", "motion.interpolation", "linear, cubic", wall(motion=replace(STEPS, interpolation="round"))),
+    ("/World/floor", "rotation.amplitude", "finite", turning(amplitude=NAN)),
+    ("/World/floor", "rotation.frequency", "above 0", turning(frequency=-1.0)),
+    ("/World/floor", "rotation.phase", "finite", turning(phase=INF)),
+    ("/World/floor", "rotation.pivot", "2 finite numbers", turning(pivot=(0.0, 0.0, 0.0))),
+    ("/World/floor", "rotation.axis", "3 finite numbers", solid()),
+    ("/World/floor", "rotation.axis", "has no length", solid(axis=(0.0, 0.0, 0.0))),
+    ("/World/floor", "rotation.times", "two times", wall(rotation=replace(ANGLES, times=np.zeros(1)))),
+    ("/World/floor", "rotation.times", "increase", wall(rotation=replace(ANGLES, times=np.zeros(2)))),
+    ("/World/floor", "rotation.angles", "one number for each", wall(rotation=replace(ANGLES, angles=np.zeros(3)))),
+    ("/World/floor", "rotation.angles", "finite", wall(rotation=replace(ANGLES, angles=np.array([0.0, NAN])))),
+    ("/World/floor", "rotation.angles", "0 at t = 0", wall(rotation=replace(ANGLES, angles=np.ones(2)))),
+    ("/World/floor", "rotation.interpolation", "linear, cubic", wall(rotation=replace(ANGLES, interpolation="round"))),
+    ("/World/tip", "quantity", "must be one of: position", {**wall(), **probe(body="floor", quantity="momentum")}),
+    ("/World/grip", "bodies", "names no body: 'floor'", {**wall(), **support(bodies=("floor",))}),
     ("/World/grip", "axes", "different axes", support(axes=(1, 1))),
     ("/World/tip", "name", "is used twice", {"probes": (Probe(name="a", point=(0.0, 0.0), path="/World/tip"),) * 2}),
     ("/World/grip", "name", "is used twice", {"supports": support()["supports"] * 2}),

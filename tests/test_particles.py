@@ -8,7 +8,7 @@ import pytest
 from tests.scenes import RUBBER, STEEL, block, scene_of
 from warp_mps.errors import InputError
 from warp_mps.particles import Particles, count_particles, fill_scene, select, select_held
-from warp_mps.scene import Body, Load, Scene, Support, VelocityField
+from warp_mps.scene import Body, Load, Scene, Support, VelocityField, Wall
 from warp_mps.shapes import Box, Cylinder, Points
 
 
@@ -188,3 +188,60 @@ def test_a_region_that_holds_nothing_is_refused(item: Support | Load) -> None:
     kind = "support" if isinstance(item, Support) else "load"
     with pytest.raises(InputError, match=f"{kind} 'grip' region: the {kind} holds no particle"):
         select_held(particles, item)
+
+
+def tank(**fields: object) -> Scene:
+    """Two blocks between a floor and a side that share the corner, all on one lattice of 1 cm."""
+    floor = Wall(name="floor", shape=Box((0.12, 0.02), (0.02, -0.025)), spacing=0.01, path="/World/floor")
+    side = Wall(name="side", shape=Box((0.02, 0.06), (-0.03, -0.005)), spacing=0.01, path="/World/side")
+    return Scene(**{**vars(two_blocks(2, 0.04)), "walls": (floor, side), **fields})  # type: ignore[arg-type]
+
+
+def test_walls_come_after_the_bodies() -> None:
+    without, particles = fill_scene(two_blocks(2, 0.04)), fill_scene(tank())
+    assert particles.names == ("left", "right", "floor", "side")
+    assert (particles.elastic, particles.elastic_bodies, without.elastic) == (24, 2, 24)
+    for name in ("positions", "velocities", "masses", "spacings", "bodies", "groups", "ids"):
+        np.testing.assert_array_equal(getattr(particles, name)[:24], getattr(without, name))
+        np.testing.assert_array_equal(getattr(particles.elastic_part(), name), getattr(without, name))
+    assert particles.elastic_part().names == without.names
+    assert without.elastic_part() is without
+    # of 12 particles of the side, the 4 in the corner are the floor's
+    assert particles.ranges.tolist() == [[0, 12], [12, 24], [24, 48], [48, 56]]
+    np.testing.assert_array_equal(particles.walls, [-1] * 24 + [0] * 24 + [1] * 8)
+    assert set(particles.groups[24:].tolist()) == {2}
+    assert particles.ids.tolist() == list(range(56))
+    np.testing.assert_allclose(particles.masses[24:], 1000.0 * 0.01**2)
+    assert np.unique(particles.positions.round(9), axis=0).shape == particles.positions.shape
+    assert count_particles(tank()) == {"left": 12, "right": 12, "floor": 24, "side": 12}
+
+
+def test_walls_that_overlap_off_the_lattice_keep_what_is_not_close() -> None:
+    floor = tank().walls[0]
+    shifted = Wall(name="side", shape=Box((0.02, 0.06), (-0.0265, -0.0065)), spacing=0.01)
+    alone = fill_scene(tank(bodies=tank().bodies[1:], walls=(shifted,))).positions[12:]
+    corner = fill_scene(tank(walls=(floor,))).positions[24:]
+    near = np.linalg.norm(alone[:, None] - corner[None], axis=2).min(axis=1) < 0.005
+    assert near.sum() == 4
+    kept = fill_scene(tank(bodies=tank().bodies[1:], walls=(floor, shifted))).positions[36:]
+    assert sorted(map(tuple, kept)) == sorted(map(tuple, alone[~near]))
+    with pytest.raises(InputError, match="wall 'again' shape: lies inside /World/floor: nothing of it is left"):
+        fill_scene(tank(walls=(floor, Wall(name="again", shape=floor.shape, spacing=0.01))))
+
+
+def test_a_body_inside_a_wall_is_refused() -> None:
+    high = Wall(name="floor", shape=Box((0.12, 0.02), (0.02, -0.018)), spacing=0.01, path="/World/floor")
+    with pytest.raises(InputError, match="/World/block shape: overlaps /World/floor at"):
+        fill_scene(tank(walls=(high,), bodies=(block(2, path="/World/block"),)))
+    # or a wall inside a body
+    pin = Wall(name="pin", shape=Box((0.01, 0.01)), spacing=0.01, path="/World/pin")
+    with pytest.raises(InputError, match="overlaps"):
+        fill_scene(tank(walls=(pin,)))
+
+
+def test_supports_loads_and_regions_act_on_no_wall() -> None:
+    particles = fill_scene(tank())
+    np.testing.assert_array_equal(select(particles, Box((9.0, 9.0))), np.arange(24))
+    floor = Support(name="grip", region=Box((0.12, 0.02), (0.02, -0.026)))
+    with pytest.raises(InputError, match="the support holds no particle"):
+        select_held(particles, floor)

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
         Contact,
         Elasticity,
         HarmonicMotion,
+        HarmonicRotation,
         Load,
         Material,
         Measurement,
@@ -36,7 +37,9 @@ if TYPE_CHECKING:
         StageFrame,
         Support,
         TableMotion,
+        TableRotation,
         VelocityField,
+        Wall,
     )
     from warp_mps.shapes import Box, Cylinder, Mesh, Points, Sphere
     from warp_mps.simulation import Simulation
@@ -53,8 +56,8 @@ _HOMES = {
     "warp_mps.results": ("RunSummary", "read_summary"),
     "warp_mps.runs": ("run_scene",),
     "warp_mps.scene": (
-        *("Body", "Contact", "Elasticity", "HarmonicMotion", "Load", "Material", "Measurement", "Probe", "Scene"),
-        *("StageFrame", "Support", "TableMotion", "VelocityField"),
+        *("Body", "Contact", "Elasticity", "HarmonicMotion", "HarmonicRotation", "Load", "Material", "Measurement"),
+        *("Probe", "Scene", "StageFrame", "Support", "TableMotion", "TableRotation", "VelocityField", "Wall"),
     ),
     "warp_mps.shapes": ("Box", "Cylinder", "Mesh", "Points", "Sphere"),
     "warp_mps.simulation": ("Simulation",),
@@ -70,6 +73,7 @@ __all__ = [
     "Cylinder",
     "Elasticity",
     "HarmonicMotion",
+    "HarmonicRotation",
     "InputError",
     "Load",
     "Material",
@@ -85,7 +89,9 @@ __all__ = [
     "StageFrame",
     "Support",
     "TableMotion",
+    "TableRotation",
     "VelocityField",
+    "Wall",
     "find_case",
     "read_history",
     "read_stage",

@@ -15,9 +15,10 @@ import numpy as np
 from warp_mps import scene as sc
 from warp_mps.components import component_names
 from warp_mps.errors import InputError
+from warp_mps.spline import table_values
 
 if TYPE_CHECKING:
-    from warp_mps.scene import Body, Load, Material, Measurement, Probe, Scene, Support
+    from warp_mps.scene import Body, Load, Material, Measurement, Probe, Scene, Support, Wall
 
 
 def check_scene(scene: Scene) -> None:
@@ -32,6 +33,8 @@ def check_scene(scene: Scene) -> None:
     _unique(scene)
     for body in scene.bodies:
         _body(scene, body)
+    for wall in scene.walls:
+        _wall(scene, wall)
     for support in scene.supports:
         _support(scene, support)
     for load in scene.loads:
@@ -42,7 +45,7 @@ def check_scene(scene: Scene) -> None:
         _measurement(scene, measurement)
 
 
-def place(item: Body | Support | Load | Probe | Measurement, kind: str) -> str:
+def place(item: Body | Wall | Support | Load | Probe | Measurement, kind: str) -> str:
     """How an error names an item: its path, or its kind and name where it has none."""
     return item.path or f"{kind} '{item.name}'"
 
@@ -87,6 +90,7 @@ def _frame(scene: Scene) -> None:
 def _unique(scene: Scene) -> None:
     groups: dict[str, Sequence[Any]] = {
         "body": scene.bodies,
+        "wall": scene.walls,
         "support": scene.supports,
         "load": scene.loads,
         "probe": scene.probes,
@@ -97,21 +101,37 @@ def _unique(scene: Scene) -> None:
             _require(item.name not in seen, place(item, kind), "name", f"{item.name!r} is used twice")
             _require(bool(item.name), place(item, kind), "name", "is empty")
             seen.add(item.name)
+    bodies = {body.name for body in scene.bodies}
+    for wall in scene.walls:
+        _require(wall.name not in bodies, place(wall, "wall"), "name", f"{wall.name!r} is also that of a body")
 
 
 def _body(scene: Scene, body: Body) -> None:
     where = place(body, "body")
-    _require(body.name.isidentifier(), where, "name", f"is {body.name!r}, must be letters, digits and _ as in a prim's")
+    _filled(body, where)
     _material(body.material, scene, where)
-    _positive(body.spacing, where, "spacing")
     if body.velocity is not None:
         _vector(body.velocity, scene.dimension, where, "velocity")
     if body.angular_velocity is not None:
         _vector(np.atleast_1d(body.angular_velocity), 1 if scene.dimension == 2 else 3, where, "angular_velocity")
     if body.velocity_field is not None:
         _velocity_field(scene, body)
-    _require(all(axis in (0, 1, 2) for axis in body.node_axes), where, "node_axes", "must be axes among x, y and z")
     _names(body.bonded_to, scene, where, "bonded_to")
+
+
+def _filled(item: Body | Wall, where: str) -> None:
+    """What bodies and walls have in common."""
+    _require(item.name.isidentifier(), where, "name", f"is {item.name!r}, must be letters, digits and _ as in a prim's")
+    _positive(item.spacing, where, "spacing")
+    _require(all(axis in (0, 1, 2) for axis in item.node_axes), where, "node_axes", "must be axes among x, y and z")
+
+
+def _wall(scene: Scene, wall: Wall) -> None:
+    where = place(wall, "wall")
+    _filled(wall, where)
+    _choice(wall.slip, sc.WALL_SLIPS, where, "slip")
+    _motion(wall.motion, scene, where)
+    _rotation(wall.rotation, scene, where)
 
 
 def _material(material: Material, scene: Scene, body: str) -> None:
@@ -157,26 +177,52 @@ def _support(scene: Scene, support: Support) -> None:
     good = all(axis in range(scene.dimension) for axis in support.axes) and len({*support.axes}) == len(support.axes)
     _require(good, where, "axes", f"must be different axes of the scene's {scene.dimension} dimensions")
     _names(support.bodies, scene, where, "bodies")
-    motion = support.motion
+    _motion(support.motion, scene, where)
+
+
+def _motion(motion: sc.HarmonicMotion | sc.TableMotion | None, scene: Scene, where: str) -> None:
     if isinstance(motion, sc.HarmonicMotion):
         _vector(motion.amplitude, scene.dimension, where, "motion.amplitude")
         _positive(motion.frequency, where, "motion.frequency")
         _require(math.isfinite(motion.phase), where, "motion.phase", "must be finite")
     elif isinstance(motion, sc.TableMotion):
-        _table(motion, scene, where)
+        _choice(motion.interpolation, sc.INTERPOLATIONS, where, "motion.interpolation")
+        rows = np.asarray(motion.displacements, float)
+        _table(motion.times, rows, (scene.dimension,), motion.interpolation, where, ("motion", "displacements"))
 
 
-def _table(motion: sc.TableMotion, scene: Scene, where: str) -> None:
-    times, rows = np.asarray(motion.times, float), np.asarray(motion.displacements, float)
-    _require(times.ndim == 1 and len(times) >= 2, where, "motion.times", "must hold at least two times")
+def _rotation(rotation: sc.HarmonicRotation | sc.TableRotation | None, scene: Scene, where: str) -> None:
+    if rotation is None:
+        return
+    _vector(rotation.pivot, scene.dimension, where, "rotation.pivot")
+    if scene.dimension == 3:
+        _vector(rotation.axis, 3, where, "rotation.axis")
+        _require(np.linalg.norm(rotation.axis) > 0.0, where, "rotation.axis", "has no length")
+    if isinstance(rotation, sc.HarmonicRotation):
+        _require(math.isfinite(rotation.amplitude), where, "rotation.amplitude", "must be finite")
+        _positive(rotation.frequency, where, "rotation.frequency")
+        _require(math.isfinite(rotation.phase), where, "rotation.phase", "must be finite")
+    else:
+        _choice(rotation.interpolation, sc.INTERPOLATIONS, where, "rotation.interpolation")
+        rows = np.asarray(rotation.angles, float)
+        _table(rotation.times, rows, (), rotation.interpolation, where, ("rotation", "angles"))
+
+
+def _table(
+    instants: np.ndarray, rows: np.ndarray, shape: tuple[int, ...], kind: str, where: str, names: tuple[str, str]
+) -> None:
+    """Check a table whose rows have a shape; `names` are those of the motion and of its rows."""
+    times, at, of_rows = np.asarray(instants, float), f"{names[0]}.times", f"{names[0]}.{names[1]}"
+    _require(times.ndim == 1 and len(times) >= 2, where, at, "must hold at least two times")
     finite = bool(np.all(np.isfinite(times)))
-    _require(finite and bool(np.all(np.diff(times) > 0.0)), where, "motion.times", "must be finite and increase")
-    shape = (len(times), scene.dimension)
-    reason = f"has shape {rows.shape}, must have one vector for each of the {len(times)} times"
-    _require(rows.shape == shape, where, "motion.displacements", reason)
-    _require(bool(np.all(np.isfinite(rows))), where, "motion.displacements", "must be finite")
-    start = [np.interp(0.0, times, column) for column in rows.T]
-    _require(not np.any(start), where, "motion.displacements", "must be 0 at t = 0, where the particles are")
+    _require(finite and bool(np.all(np.diff(times) > 0.0)), where, at, "must be finite and increase")
+    reason = (
+        f"has shape {rows.shape}, must have one {'vector' if shape else 'number'} for each of the {len(times)} times"
+    )
+    _require(rows.shape == (len(times), *shape), where, of_rows, reason)
+    _require(bool(np.all(np.isfinite(rows))), where, of_rows, "must be finite")
+    start = table_values(times, rows.reshape(len(times), -1), kind, 0.0)
+    _require(not np.any(start), where, of_rows, "must be 0 at t = 0, where the particles are")
 
 
 def _load(scene: Scene, load: Load) -> None:
@@ -204,7 +250,11 @@ def _probe(scene: Scene, probe: Probe) -> None:
     if probe.about is not None:
         _vector(probe.about, scene.dimension, where, "about")
     if probe.body is not None:
-        _names((probe.body,), scene, where, "target")
+        walls = [wall.name for wall in scene.walls]
+        if probe.body in walls:
+            _choice(probe.quantity, sc.WALL_QUANTITIES, where, "quantity")
+        else:
+            _names((probe.body,), scene, where, "target")
     if probe.support is not None:
         known = [support.name for support in scene.supports]
         _require(probe.support in known, where, "target", f"names no support: {probe.support!r}")

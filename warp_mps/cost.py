@@ -5,10 +5,11 @@ from __future__ import annotations
 import os
 from dataclasses import dataclass
 
+from warp_mps.checks import place
 from warp_mps.clock import Clock
 from warp_mps.core.weights import lattice_neighbours
 from warp_mps.errors import InputError
-from warp_mps.particles import count_particles
+from warp_mps.particles import count_particles, kind_of
 from warp_mps.scene import Scene
 
 # seconds a particle-step and neighbour on one CPU core, as the benchmark measures it (2-D, 3-D)
@@ -24,7 +25,7 @@ class Cost:
     """What a run will take.
 
     Attributes:
-        particles: Number of particles of each body, at most.
+        particles: Number of particles of each body and wall, at most.
         neighbours: Neighbours of a particle inside a body.
         dt: Time step [s].
         steps: Number of steps.
@@ -80,9 +81,9 @@ def refuse_too_large(scene: Scene) -> None:
     memory = memory_of(scene, sum(particles.values()))
     if memory > available:
         name = max(particles, key=lambda body: particles[body])
-        body = next(body for body in scene.bodies if body.name == name)
+        body = next(item for item in scene.filled if item.name == name)
         raise InputError(
-            body.path or f"body '{name}'",
+            place(body, kind_of(body)),
             "spacing",
             f"{body.spacing:g} m makes {particles[name]:.4g} particles; the run needs about "
             f"{memory / 2**30:.3g} GiB of memory and {available / 2**30:.3g} GiB are available",

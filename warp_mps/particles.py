@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import itertools
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 
 from warp_mps.checks import place
 from warp_mps.errors import InputError
 from warp_mps.fields import velocity
-from warp_mps.scene import Body, Load, Scene, Support
+from warp_mps.scene import Body, Load, Scene, Support, Wall
 from warp_mps.shapes import Points, Shape, contains, fill, particle_count
 
 # a face of a region holds the particles that lie on it, whatever the rounding
@@ -19,27 +19,33 @@ REGION_TOLERANCE = 1e-6
 # to another's particle than half a spacing
 SURFACE = 1e-3
 OVERLAP = 0.499
+# of walls, whose mass is never felt: it only lets them be weighted as bodies are
+NOMINAL_DENSITY = 1000.0
 
 
 @dataclass(frozen=True, kw_only=True)
 class Particles:
     """The particles of a scene in their reference configuration, body after body, each sorted by cell.
 
+    The elastic bodies come first, then the walls; both count as bodies here.
+
     Attributes:
         names: Names of the bodies, in order.
         ranges: First and one past the last particle of each body, shape [bodies, 2].
+        elastic: Number of elastic particles; the rest are those of walls.
         positions: Reference positions X [m], shape [n, dimension].
         velocities: Initial velocities [m/s], shape [n, dimension].
         angular_velocities: Initial angular velocities [rad/s], shape [n, 1] in 2-D and [n, 3] in 3-D.
-        masses: Masses [kg], in 2-D [kg/m], shape [n].
+        masses: Masses [kg], in 2-D [kg/m], shape [n]; of walls nominal ones, by `NOMINAL_DENSITY`.
         spacings: Particle spacing l0 [m], shape [n].
         bodies: Index of the body of each particle, shape [n].
-        groups: Index of the group of bonded bodies of each particle, shape [n].
+        groups: Index of the group of bonded bodies of each particle, shape [n]; all walls are one.
         ids: Identifiers, stable whatever the order, unique in the scene, shape [n].
     """
 
     names: tuple[str, ...]
     ranges: np.ndarray
+    elastic: int
     positions: np.ndarray
     velocities: np.ndarray
     angular_velocities: np.ndarray
@@ -59,29 +65,53 @@ class Particles:
         """2 or 3."""
         return int(self.positions.shape[1])
 
+    @property
+    def elastic_bodies(self) -> int:
+        """Number of elastic bodies."""
+        return int(np.sum(self.ranges[:, 1] <= self.elastic))
+
+    @property
+    def walls(self) -> np.ndarray:
+        """Index in `Scene.walls` of the wall of each particle, -1 for elastic ones, shape [n]."""
+        return np.maximum(self.bodies - self.elastic_bodies, -1)
+
+    def elastic_part(self) -> Particles:
+        """The elastic particles alone."""
+        if self.elastic == self.count:
+            return self
+        bodies = self.elastic_bodies
+        rows = {item.name: getattr(self, item.name)[: self.elastic] for item in fields(self) if item.name not in _WHOLE}
+        return Particles(names=self.names[:bodies], ranges=self.ranges[:bodies], elastic=self.elastic, **rows)
+
+
+# what has no row a particle
+_WHOLE = ("names", "ranges", "elastic")
+
 
 def count_particles(scene: Scene) -> dict[str, int]:
-    """Number of particles of each body, at most, found without filling anything."""
+    """Number of particles of each body and wall, at most, found without filling anything."""
     return {
-        body.name: particle_count(body.shape, body.spacing, scene.dimension, body.node_axes) for body in scene.bodies
+        item.name: particle_count(item.shape, item.spacing, scene.dimension, item.node_axes) for item in scene.filled
     }
 
 
 def fill_scene(scene: Scene) -> Particles:
-    """Fill the bodies of a scene with particles.
+    """Fill the bodies and the walls of a scene with particles.
 
     Raises:
-        InputError: A body is thinner than one particle, or two bodies overlap.
+        InputError: A body or a wall is thinner than one particle, or a body overlaps another or a wall.
     """
-    parts = [_fill_body(scene, body) for body in scene.bodies]
+    parts = [*(_fill_body(scene, body) for body in scene.bodies), *_fill_walls(scene)]
     counts = np.array([len(positions) for positions, _, _ in parts])
     ends = np.cumsum(counts)
     of_body = np.repeat(np.arange(len(parts)), counts)
-    spacings = np.array([body.spacing for body in scene.bodies])[of_body]
-    densities = np.array([body.material.density for body in scene.bodies])[of_body]
+    spacings = np.array([item.spacing for item in scene.filled])[of_body]
+    solid = [body.material.density for body in scene.bodies]
+    densities = np.array(solid + [NOMINAL_DENSITY] * len(scene.walls))[of_body]
     particles = Particles(
-        names=tuple(body.name for body in scene.bodies),
+        names=tuple(item.name for item in scene.filled),
         ranges=np.column_stack((ends - counts, ends)),
+        elastic=int(counts[: len(scene.bodies)].sum()),
         positions=np.concatenate([positions for positions, _, _ in parts]),
         velocities=np.concatenate([velocities for _, velocities, _ in parts]),
         angular_velocities=np.concatenate([spins for _, _, spins in parts]),
@@ -97,16 +127,17 @@ def fill_scene(scene: Scene) -> Particles:
 
 
 def select(particles: Particles, region: Shape, bodies: tuple[str, ...] = ()) -> np.ndarray:
-    """Indices of the particles whose reference position lies in a region.
+    """Indices of the elastic particles whose reference position lies in a region.
 
     Args:
         particles: The particles.
         region: The region; its faces belong to it.
         bodies: Names of the bodies to look at, all when empty.
     """
-    inside = contains(region, particles.positions, REGION_TOLERANCE * float(particles.spacings.min()))
+    part = slice(particles.elastic)
+    inside = contains(region, particles.positions[part], REGION_TOLERANCE * float(particles.spacings[part].min()))
     if bodies:
-        inside &= np.isin(particles.bodies, [particles.names.index(name) for name in bodies])
+        inside &= np.isin(particles.bodies[part], [particles.names.index(name) for name in bodies])
     return np.flatnonzero(inside)
 
 
@@ -144,6 +175,22 @@ def _fill_body(scene: Scene, body: Body) -> tuple[np.ndarray, np.ndarray, np.nda
     return positions[order], velocities[order], spins[order]
 
 
+def _fill_walls(scene: Scene) -> list[tuple[np.ndarray, np.ndarray, np.ndarray]]:
+    """As of bodies, at rest; where a wall shares space with earlier ones, their particles stay and its own go."""
+    parts: list[tuple[np.ndarray, np.ndarray, np.ndarray]] = []
+    for wall in scene.walls:
+        where = place(wall, "wall")
+        positions = fill(wall.shape, wall.spacing, scene.dimension, node_axes=wall.node_axes, where=where)
+        for other, (others, _, _) in zip(scene.walls, parts, strict=False):
+            same = contains(Points(others), positions, OVERLAP * 0.5 * (wall.spacing + other.spacing))
+            positions = positions[~same]
+            if not len(positions):
+                raise InputError(where, "shape", f"lies inside {place(other, 'wall')}: nothing of it is left")
+        positions = positions[_cell_order(positions, wall.spacing * scene.elasticity.effective_radius)]
+        parts.append((positions, np.zeros_like(positions), np.zeros((len(positions), 2 * scene.dimension - 3))))
+    return parts
+
+
 def _spin_velocity(spins: np.ndarray, arms: np.ndarray) -> np.ndarray:
     """Velocity omega x r, in 2-D with omega along the normal."""
     if arms.shape[1] == 2:
@@ -158,7 +205,7 @@ def _cell_order(positions: np.ndarray, cell: float) -> np.ndarray:
 
 
 def _groups(scene: Scene) -> np.ndarray:
-    """Index of the group of each body: bodies that are bonded, directly or through others, share one."""
+    """Index of the group of each body and wall: bodies that are bonded share one, and so do all walls."""
     names = [body.name for body in scene.bodies]
     groups = np.arange(len(names))
     for i, body in enumerate(scene.bodies):
@@ -169,7 +216,7 @@ def _groups(scene: Scene) -> np.ndarray:
                     place(body, "body"), "spacing", f"differs from that of {name!r}, which it is bonded to"
                 )
             groups[groups == groups[j]] = groups[i]
-    return groups
+    return np.concatenate((groups, np.full(len(scene.walls), len(names))))
 
 
 def _refuse_loose_bonds(scene: Scene, particles: Particles) -> None:
@@ -185,16 +232,24 @@ def _refuse_loose_bonds(scene: Scene, particles: Particles) -> None:
 
 
 def _refuse_overlap(scene: Scene, particles: Particles) -> None:
-    """Refuse a particle inside another body, or on top of another body's particle."""
-    for a, b in itertools.permutations(range(len(scene.bodies)), 2):
+    """Refuse a particle inside another body, or on top of another body's particle; walls may share space."""
+    for a, b in itertools.permutations(range(len(scene.filled)), 2):
+        if min(a, b) >= len(scene.bodies):
+            continue
+        one, other = scene.filled[a], scene.filled[b]
         positions = particles.positions[slice(*particles.ranges[a])]
         others = particles.positions[slice(*particles.ranges[b])]
-        mean_spacing = 0.5 * (scene.bodies[a].spacing + scene.bodies[b].spacing)
+        mean_spacing = 0.5 * (one.spacing + other.spacing)
         near = np.all((positions > others.min(0) - mean_spacing) & (positions < others.max(0) + mean_spacing), axis=1)
         positions = positions[near]
-        bad = contains(scene.bodies[b].shape, positions, -SURFACE * mean_spacing)
+        bad = contains(other.shape, positions, -SURFACE * mean_spacing)
         bad |= contains(Points(others), positions, OVERLAP * mean_spacing)
         if bad.any():
             at = ", ".join(f"{c:.6g}" for c in positions[np.argmax(bad)])
-            reason = f"overlaps {place(scene.bodies[b], 'body')} at ({at}) m; bodies may touch but not share space"
-            raise InputError(place(scene.bodies[a], "body"), "shape", reason)
+            reason = f"overlaps {place(other, kind_of(other))} at ({at}) m; bodies may touch but not share space"
+            raise InputError(place(one, kind_of(one)), "shape", reason)
+
+
+def kind_of(item: Body | Wall) -> str:
+    """What errors call it."""
+    return "wall" if isinstance(item, Wall) else "body"

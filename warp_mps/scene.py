@@ -1,4 +1,4 @@
-"""What a person describes: bodies, materials, supports, loads, probes and the answers to expect.
+"""What a person describes: bodies, walls, materials, supports, loads, probes and the answers to expect.
 
 A :class:`Scene` is plain data in SI units. It knows neither Warp nor USD: `warp_mps.usd` reads one from a stage and
 saves it as one, `warp_mps.particles` fills it with particles. A 2-D scene lies in the x-y plane of its own
@@ -21,6 +21,8 @@ LAWS = ("st_venant_kirchhoff", "neo_hookean")
 NORMALIZATIONS = ("lattice", "particle")
 PLANE_MODELS = ("strain", "stress")
 CONTACTS = ("none", "bodies", "all")
+INTERPOLATIONS = ("linear", "cubic")
+WALL_SLIPS = ("free", "no")
 VELOCITY_FIELDS = ("sine", "free_free_beam", "clamped_free_beam", "twist")
 OUTPUTS = ("stress", "strain", "von_mises", "strain_energy")
 _FIELDS = ("position", "displacement", "velocity", "rotation", *OUTPUTS)
@@ -30,6 +32,8 @@ PROBE_QUANTITIES = {
     "body": ("position", "displacement", "velocity", "momentum", "angular_momentum", "extent", "contact_force"),
     "support": ("reaction",),
 }
+# of what a probe of a body can record, what it can of a wall, which has no mass
+WALL_QUANTITIES = ("position", "displacement", "velocity", "extent", "contact_force")
 # unit of each quantity in 2-D, per metre of depth where it is extensive, and in 3-D
 PROBE_UNITS = {
     "position": ("m", "m"),
@@ -141,15 +145,56 @@ class HarmonicMotion:
 
 @dataclass(frozen=True, kw_only=True)
 class TableMotion:
-    """A prescribed displacement, linear between the rows of a table and constant outside it.
+    """A prescribed displacement, between the rows of a table, and constant outside it.
 
     Attributes:
         times: Times, increasing [s], shape [n].
         displacements: Displacements [m], shape [n, dimension].
+        interpolation: ``linear``, or ``cubic``: the spline that is at rest at both ends, whose velocity and
+            acceleration are continuous between them.
     """
 
     times: np.ndarray
     displacements: np.ndarray
+    interpolation: str = "linear"
+
+
+@dataclass(frozen=True, kw_only=True)
+class HarmonicRotation:
+    """A prescribed turn by an angle amplitude * (sin(2 pi f t + phase) - sin(phase)), zero at t = 0.
+
+    Attributes:
+        amplitude: Amplitude [rad].
+        frequency: Frequency f [Hz].
+        phase: Phase [rad].
+        pivot: Point of the undisplaced scene that it turns about [m]; a motion carries it along.
+        axis: Direction that it turns about, of any length, shape [3]; in 2-D it is the normal, whatever is given.
+    """
+
+    amplitude: float
+    frequency: float
+    phase: float = 0.0
+    pivot: Vector
+    axis: Vector = ()
+
+
+@dataclass(frozen=True, kw_only=True)
+class TableRotation:
+    """A prescribed turn by the angles of a table, and constant outside it.
+
+    Attributes:
+        times: Times, increasing [s], shape [n].
+        angles: Angles [rad], shape [n].
+        pivot: Point of the undisplaced scene that it turns about [m]; a motion carries it along.
+        axis: Direction that it turns about, of any length, shape [3]; in 2-D it is the normal, whatever is given.
+        interpolation: ``linear`` or ``cubic``, as of a `TableMotion`.
+    """
+
+    times: np.ndarray
+    angles: np.ndarray
+    pivot: Vector
+    axis: Vector = ()
+    interpolation: str = "linear"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -231,13 +276,46 @@ class Body:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Wall:
+    """A rigid body that elastic bodies touch, at rest or on a prescribed motion.
+
+    A point X of it is at x = pivot + R(angle) (X - pivot) + displacement. It is filled with particles as a body is;
+    walls may overlap each other, and do not touch each other.
+
+    Attributes:
+        name: Name, unique among bodies and walls and a valid USD prim name.
+        shape: Region it fills.
+        spacing: Particle spacing l0 [m].
+        motion: Prescribed displacement; None is none.
+        rotation: Prescribed turn; None is none.
+        slip: Whether fluid slides along it, one of `WALL_SLIPS`: ``free``, or ``no``, where it sticks.
+        node_axes: Axes of the shape along which the outermost particles lie on its faces, as of a body.
+        path: Where it was described, for error messages.
+    """
+
+    name: str
+    shape: Shape
+    spacing: float
+    motion: HarmonicMotion | TableMotion | None = None
+    rotation: HarmonicRotation | TableRotation | None = None
+    slip: str = "free"
+    node_axes: tuple[int, ...] = ()
+    path: str = ""
+
+    @property
+    def moves(self) -> bool:
+        """Whether it is ever elsewhere than it was drawn."""
+        return self.motion is not None or self.rotation is not None
+
+
+@dataclass(frozen=True, kw_only=True)
 class Probe:
-    """A quantity recorded through the run: at a point, averaged over a region, of a body, or of a support.
+    """A quantity recorded through the run: at a point, averaged over a region, of a body or wall, or of a support.
 
     Exactly one of `point`, `region`, `body` and `support` is given; `PROBE_QUANTITIES` lists what each can record
-    (a region records the mean of what a point does). A rotation is that of a rotation vector: its angle lies between
-    -pi and pi, with the springs model in 2-D between -4 pi and 4 pi. `warp_mps.elastic.stresses` defines stress and
-    strain; `strain_energy` is per reference volume.
+    (a region records the mean of what a point does, and a wall has the `WALL_QUANTITIES`). A rotation is that of a
+    rotation vector: its angle lies between -pi and pi, with the springs model in 2-D between -4 pi and 4 pi.
+    `warp_mps.elastic.stresses` defines stress and strain; `strain_energy` is per reference volume.
 
     A section is the cut around a region's particles: `section_force` is the force that the rest of their bodies exerts
     on them through it, the sum of the elastic forces on them, and `section_moment` its moment about the point `about`,
@@ -248,7 +326,7 @@ class Probe:
         quantity: What is recorded.
         point: Point of the undeformed scene, inside a body [m].
         region: Shape over whose particles the mean is taken.
-        body: Name of a body.
+        body: Name of a body or a wall.
         support: Name of a support.
         about: Point of the undeformed scene, inside a body, about which a `section_moment` is taken [m].
         path: Where it was described, for error messages.
@@ -359,6 +437,7 @@ class Scene:
         dimension: 2 or 3.
         plane: ``strain`` or ``stress``, in 2-D.
         gravity: Acceleration of gravity [m/s^2], shape [dimension].
+        walls: Rigid bodies, at rest or moved.
         supports: Held regions.
         loads: Forces.
         probes: Recorded quantities.
@@ -386,6 +465,7 @@ class Scene:
     dimension: int = 2
     plane: str = "strain"
     gravity: Vector = ()
+    walls: tuple[Wall, ...] = ()
     supports: tuple[Support, ...] = ()
     loads: tuple[Load, ...] = ()
     probes: tuple[Probe, ...] = ()
@@ -410,3 +490,8 @@ class Scene:
     def frame(self) -> StageFrame:
         """How the scene lies in its stage."""
         return self.stage or StageFrame(axes="xyz"[: self.dimension])
+
+    @property
+    def filled(self) -> tuple[Body | Wall, ...]:
+        """What is filled with particles: bodies, then walls."""
+        return (*self.bodies, *self.walls)

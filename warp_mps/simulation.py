@@ -55,6 +55,7 @@ class Simulation:
         from warp_mps.core.device import load_modules, open_device
         from warp_mps.core.kit import PRECISIONS, kit
         from warp_mps.elastic.solid import Solid, declare_kernels
+        from warp_mps.rigid.poses import declare_rigid
 
         if threads < 1:
             raise InputError("", "threads", f"is {threads}, must be 1 or more")
@@ -69,7 +70,10 @@ class Simulation:
         self.particles: Particles = fill_scene(scene)
         self.step = 0
         numbers = kit(scene.dimension, precision)
-        load_modules(declare_kernels(numbers), self._device, announce)
+        modules = declare_kernels(numbers)
+        if scene.walls:
+            modules.append(declare_rigid(numbers))
+        load_modules(modules, self._device, announce)
         self.solid = Solid(scene, self.particles, dt=self.clock.dt, kit=numbers, device=self._device)
         self.solid.start()
         self._graphs: dict[int, Any] = {}
@@ -150,19 +154,17 @@ class Simulation:
     @property
     def rotations(self) -> np.ndarray:
         """Rotation vectors [rad], shape [n, 1] in 2-D and [n, 3] in 3-D."""
-        return self._once("q", self.solid.model.rotations)
+        return self._once("q", self.solid.rotations)
 
     @property
     def angular_velocities(self) -> np.ndarray:
         """Angular velocities of the particles' own rotation [rad/s], shape [n, 1] in 2-D and [n, 3] in 3-D."""
-        spins = self.solid.model.spins
-        none = np.zeros_like(self.particles.angular_velocities)
-        return self._once("omega", lambda: self._host(spins.omega) if spins else none)
+        return self._once("omega", self.solid.angular_velocities)
 
     @property
     def pressures(self) -> np.ndarray:
         """Pressures [Pa], shape [n]."""
-        return self._once("p", self.solid.model.pressures)
+        return self._once("p", self.solid.pressures)
 
     @property
     def stresses(self) -> np.ndarray:
@@ -260,7 +262,7 @@ class Simulation:
             launches = [functools.partial(phase.launch, *share) for phase in section]
             return functools.partial(wp.capture_launch, self._capture(launches))
 
-        count, threads = self.particles.count, self._threads
+        count, threads = self.particles.elastic, self._threads
         sections = [
             [task(section, share) for share in (shares(count, threads) if section[0].splits else [(0, count)])]
             for section in self.solid.sections()

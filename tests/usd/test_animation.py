@@ -268,6 +268,7 @@ def big(count: int = 20_000) -> Particles:
     """Enough particles for a save to take a while."""
     zeros = np.zeros(count)
     return Particles(
+        elastic=count,
         names=("cloud",),
         ranges=np.array([[0, count]]),
         positions=np.zeros((count, 2)),

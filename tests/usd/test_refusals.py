@@ -33,7 +33,7 @@ def refusal(path: Path, **options: Any) -> InputError:
 @pytest.mark.parametrize(
     ("parts", "where", "attribute", "reason"),
     [
-        ({"Beam": ('token mps:role = "boddy"',)}, "/Beam", "mps:role", "'boddy', must be one of: body, support"),
+        ({"Beam": ('token mps:role = "boddy"',)}, "/Beam", "mps:role", "'boddy', must be one of: body, wall, support"),
         ({"Beam": ("-mps:spacing",)}, "/Beam", "mps:spacing", "is missing"),
         ({"Beam": ('string mps:spacing = "0.1"',)}, "/Beam", "mps:spacing", "must be double, not string"),
         ({"Beam": ("double mps:spacing = nan",)}, "/Beam", "mps:spacing", "must be finite"),
@@ -91,7 +91,7 @@ def refusal(path: Path, **options: Any) -> InputError:
         ({"Scene": ('token[] mps:outputs = ["stress", "heat"]',)}, "/Scene", "mps:outputs", "'heat', must be one of"),
         ({"Scene": ('string[] mps:outputs = ["stress"]',)}, "/Scene", "mps:outputs", "must be token[], not string[]"),
         ({"Scene": ('token[] mps:outputs = ["strain", "strain"]',)}, "/Scene", "mps:outputs", "names a quantity twice"),
-        ({"P": (*PROBE, "rel mps:target = </Steel>")}, "/P", "mps:target", "one body or one support"),
+        ({"P": (*PROBE, "rel mps:target = </Steel>")}, "/P", "mps:target", "one body, one wall or one support"),
         ({"P": (*PROBE, "double3 xformOp:translate = (0, 0, 1)", MOVE)}, "/P", "xformOpOrder", "out of the plane"),
         ({"M": MEASUREMENT}, "/M", "mps:probe", "is missing"),
         ({"M": (*MEASUREMENT, *NORMAL), "P": PROBE}, "/M", "mps:component", "must be one of: x, y"),

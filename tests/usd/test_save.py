@@ -17,6 +17,7 @@ from warp_mps.scene import (
     Contact,
     Elasticity,
     HarmonicMotion,
+    HarmonicRotation,
     Load,
     Material,
     Measurement,
@@ -25,7 +26,9 @@ from warp_mps.scene import (
     StageFrame,
     Support,
     TableMotion,
+    TableRotation,
     VelocityField,
+    Wall,
 )
 from warp_mps.shapes import Box, Cylinder, Mesh, Points, Shape, Sphere, contains, fill
 from warp_mps.usd.read import read_stage
@@ -69,6 +72,18 @@ def rich_scene(dimension: int, frame: StageFrame | None) -> Scene:
     )  # fmt: skip
     rows = np.array([(0.0, 0.0, 0.0), (0.1, -0.2, 0.3)])[:, :dimension]
     sine = HarmonicMotion(amplitude=pad((0.0, 0.01), dimension), frequency=3.3, phase=0.4)
+    axis = () if dimension == 2 else (0.6, 0.0, 0.8)
+    table = TableMotion(times=np.array([0.0, 0.25]), displacements=rows, interpolation="cubic")
+    turn = HarmonicRotation(amplitude=-0.2, frequency=1.5, phase=0.1, pivot=pad((1.0, 2.0), dimension), axis=axis)
+    angles = TableRotation(
+        times=np.array([0.0, 0.5]), angles=np.array([0.0, -1.25]), pivot=pad((0.5, 0.25), dimension), axis=axis,
+        interpolation="cubic",
+    )  # fmt: skip
+    walls = (
+        Wall(name="floor", shape=Box((9.0, 0.2, 1.0)[:dimension], (0.0, -3.0)), spacing=0.1, node_axes=(0,)),
+        Wall(name="paddle", shape=Box(size, (9.0, 9.0)), spacing=0.1, motion=sine, rotation=turn, slip="no"),
+        Wall(name="drum", shape=Cylinder(0.5, 1.0, "z", (-9.0, 3.0), 0.2), spacing=0.1, motion=table, rotation=angles),
+    )
     supports = (
         Support(name="roller", region=Box((0.3, 0.3)), axes=(1,), bodies=("plain", "ring"), motion=sine),
         Support(name="clamp", region=Box((9, 9)), motion=TableMotion(times=np.array([0.0, 0.25]), displacements=rows)),
@@ -85,6 +100,7 @@ def rich_scene(dimension: int, frame: StageFrame | None) -> Scene:
         Probe(name="strain", point=pad((0.65, 0.15), dimension), quantity="strain"),
         Probe(name="push", support="clamp", quantity="reaction"),
         Probe(name="spin", body="ball", quantity="angular_momentum"),
+        Probe(name="load", body="floor", quantity="contact_force"),
     )
     measurements = (
         Measurement(
@@ -96,8 +112,9 @@ def rich_scene(dimension: int, frame: StageFrame | None) -> Scene:
         ),
     )
     return Scene(
-        name="rich", bodies=bodies, supports=supports, loads=loads, probes=probes, measurements=measurements,
-        duration=0.5, dimension=dimension, plane="stress" if dimension == 2 else "strain", stage=frame,
+        name="rich", bodies=bodies, walls=walls, supports=supports, loads=loads, probes=probes,
+        measurements=measurements, duration=0.5, dimension=dimension,
+        plane="stress" if dimension == 2 else "strain", stage=frame,
         gravity=pad((1.0, -9.75), dimension), elasticity=Elasticity(effective_radius=2.6, normalization="particle"),
         contact=Contact(between="all", stiffness=0.5), damping=0.25,
         outputs=("von_mises", "stress"), frame_rate=50.0, sample_rate=400.0,

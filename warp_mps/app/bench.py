@@ -110,7 +110,7 @@ def _shares(simulation: Simulation) -> str:
     """Each phase of a step alone, as a graph of its own, as a part of their sum."""
     import warp as wp
 
-    device, count = simulation.device, simulation.particles.count
+    device, count = simulation.device, simulation.particles.elastic
     times: dict[str, float] = {}
     for phase in simulation.solid.phases:
         with wp.ScopedCapture(device=device) as capture:

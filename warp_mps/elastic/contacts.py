@@ -30,8 +30,11 @@ class Contacts:
         self._margin = SKIN * float(particles.spacings.min())
         self._reach = float(particles.spacings.max()) + self._margin
         self._within = int(scene.contact.between == "all")
-        youngs = np.array([body.material.youngs_modulus for body in scene.bodies])[particles.bodies]
+        # walls are rigid, so that a pair has the body's stiffness, and are all neighbours: they do not touch each other
+        youngs = [body.material.youngs_modulus for body in scene.bodies] + [np.inf] * len(scene.walls)
+        youngs = np.array(youngs)[particles.bodies]
         radius = scene.elasticity.effective_radius * particles.spacings * REACH_TOLERANCE
+        radius[particles.elastic :] = np.inf
 
         def real(values: np.ndarray) -> wp.array:
             return wp.array(values, dtype=kit.real, device=device)

@@ -69,7 +69,7 @@ class HamiltonianModel:
         """Elastic energy of every particle at the last evaluation of the stresses [J]."""
         pairs = [self.start, self.index, self.bond, self.weight]
         inputs = [*pairs, self._volume, self._kappa, *self._constants(), state.u, self.gradient]
-        wp.launch(self._kernels.energy, len(state.u), inputs, [energy_out], device=self._device)
+        wp.launch(self._kernels.energy, len(self._volume), inputs, [energy_out], device=self._device)
 
     def pressures(self) -> np.ndarray:
         """Pressure -tr(sigma)/d of the Cauchy stress sigma = P F^T / J in the scene's dimensions [Pa], shape [n]."""

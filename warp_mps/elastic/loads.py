@@ -5,6 +5,7 @@ from types import SimpleNamespace
 
 import warp as wp
 
+from warp_mps.core.cubic import cubic_funcs
 from warp_mps.core.kit import Kit
 
 METHOD = "elastic"
@@ -14,6 +15,7 @@ METHOD = "elastic"
 def load_kernels(kit: Kit) -> SimpleNamespace:
     """Kernels `drive`, `drive_work`, `push` and `push_work`."""
     real, vec = kit.real, kit.vec
+    cubic_value, cubic_rate, cubic_second = cubic_funcs(real, vec, kit.module(METHOD))
 
     @kit.func(METHOD)
     def harmonic(t: wp.float64, frequency: wp.float64, phase: wp.float64) -> real:
@@ -33,6 +35,7 @@ def load_kernels(kit: Kit) -> SimpleNamespace:
         phase: wp.float64,
         times: wp.array(dtype=wp.float64),
         table: wp.array(dtype=vec),
+        slopes: wp.array(dtype=vec),
         mass: wp.array(dtype=real),
         steps: wp.array(dtype=wp.int32),
         # State in:
@@ -44,7 +47,9 @@ def load_kernels(kit: Kit) -> SimpleNamespace:
         move_out: wp.array(dtype=vec),
         work: wp.array(dtype=wp.float64),
     ):
-        """Place the particles of a moving support: harmonic where f > 0, else by the table (linear between rows).
+        """Place the particles of a moving support: harmonic where f > 0, else by the table.
+
+        Between rows the table is linear, or where it has slopes, cubic.
 
         The support's work is the gain of kinetic energy, less the work of all other forces: half of the move times the
         last step's force here, the other half in `drive_work`. So it holds where a table makes the velocity jump.
@@ -65,9 +70,19 @@ def load_kernels(kit: Kit) -> SimpleNamespace:
             k = wp.clamp(wp.lower_bound(times, t), 1, last)
             span = times[k] - times[k - 1]
             s = wp.clamp((t - times[k - 1]) / span, wp.float64(0.0), wp.float64(1.0))
-            place = table[k - 1] + real(s) * (table[k] - table[k - 1])
-            if t >= times[0] and t < times[last]:
-                speed = real(wp.float64(1.0) / span) * (table[k] - table[k - 1])
+            gap = table[k] - table[k - 1]
+            inside = t >= times[0] and t < times[last]
+            if slopes.shape[0] == 0:
+                place = table[k - 1] + real(s) * gap
+                if inside:
+                    speed = real(wp.float64(1.0) / span) * gap
+            else:
+                m0 = real(span) * slopes[k - 1]
+                m1 = real(span) * slopes[k]
+                place = table[k - 1] + cubic_value(real(s), gap, m0, m1)
+                if inside:
+                    speed = real(wp.float64(1.0) / span) * cubic_rate(real(s), gap, m0, m1)
+                    acceleration = real(wp.float64(1.0) / (span * span)) * cubic_second(real(s), gap, m0, m1)
         u_i = u[i]
         v_i = v[i]
         a_i = acceleration_out[i]

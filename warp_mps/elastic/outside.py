@@ -13,6 +13,7 @@ from warp_mps.elastic.state import ElasticState
 from warp_mps.errors import InputError
 from warp_mps.particles import Particles, select_held
 from warp_mps.scene import HarmonicMotion, Load, Scene, Support, TableMotion
+from warp_mps.spline import clamped_slopes
 
 
 @dataclass(kw_only=True)
@@ -120,19 +121,21 @@ class Outside:
         self._driven.append(self._action(found, [self._kit.vec(*mask), *self._motion(support.motion)], self._kit.vec))
 
     def _motion(self, motion: HarmonicMotion | TableMotion) -> list[Any]:
-        """Arguments of the `drive` kernel: amplitude, frequency, phase, times and table."""
+        """Arguments of the `drive` kernel: amplitude, frequency, phase, times, table and slopes."""
         vec = self._kit.vec
+        empty = np.zeros((2, self._kit.dimension))
         if isinstance(motion, HarmonicMotion):
-            empty = np.zeros((2, self._kit.dimension))
             numbers = [vec(*motion.amplitude), motion.frequency, motion.phase]
-            times, rows = np.array([0.0, 1.0]), empty
+            times, rows, slopes = np.array([0.0, 1.0]), empty, empty[:0]
         else:
             numbers = [vec(), 0.0, 0.0]
             times, rows = np.asarray(motion.times, float), np.asarray(motion.displacements, float)
+            slopes = clamped_slopes(times, rows) if motion.interpolation == "cubic" else empty[:0]
         return [
             *numbers,
             wp.array(times, dtype=wp.float64, device=self._device),
             wp.array(rows, dtype=vec, device=self._device),
+            wp.array(slopes, dtype=vec, device=self._device),
         ]
 
     def _load(self, load: Load, particles: Particles) -> _Action:

@@ -23,6 +23,7 @@ from warp_mps.elastic.spin import spin_kernels
 from warp_mps.elastic.springs import spring_kernels
 from warp_mps.elastic.state import ElasticState, initial_state
 from warp_mps.elastic.stresses import StressFields, stress_kernels
+from warp_mps.elastic.walls import Walls
 from warp_mps.energy import Energy
 from warp_mps.particles import Particles
 from warp_mps.scene import Scene
@@ -61,42 +62,49 @@ def declare_kernels(kit: Kit) -> list[str]:
 
 
 class Solid:
-    """The elastic bodies of a scene: constants, state, and the launches of a step.
+    """The elastic bodies of a scene and the walls that they touch: constants, state, and the launches of a step.
+
+    Walls come last among the particles: the models and the motion run over those before them, contact over all.
 
     A step is the same Python whether it is run eagerly or captured: it reads nothing back and allocates nothing.
     """
 
     def __init__(self, scene: Scene, particles: Particles, *, dt: float, kit: Kit, device: Any) -> None:
         self._kit, self._device, self._dt = kit, device, dt
-        self._n = particles.count
+        self._n = particles.elastic
         self._motion, self._sums = motion_kernels(kit), energy_kernels(kit)
         self.state: ElasticState = initial_state(particles, kit=kit, device=device)
         self.outside = Outside(scene, particles, dt=dt, kit=kit, device=device)
-        self.model = make_model(scene, particles, self.outside.held_rotation, kit=kit, device=device)
+        held_rotation = self.outside.held_rotation[: self._n]
+        self.model = make_model(scene, particles.elastic_part(), held_rotation, kit=kit, device=device)
+        self.walls = Walls(scene, particles, dt=dt, kit=kit, device=device) if scene.walls else None
+        self._moving = self.outside.moving or bool(self.walls and self.walls.moving)
         self.contacts = Contacts(scene, particles, kit=kit, device=device) if needs_contact(scene, particles) else None
-        self._masses = particles.masses
+        # a wall is moved whatever acts on it: it has no inertia, no weight and no energy
+        self._masses = np.where(np.arange(particles.count) < self._n, particles.masses, 0.0)
         self._damping = scene.damping
         self._gravity = kit.vec(*scene.gravity) if len(scene.gravity) else kit.vec()
-        self._mass = wp.array(particles.masses, dtype=kit.real, device=device)
+        self._mass = wp.array(self._masses, dtype=kit.real, device=device)
         inverse_mass = ~self.outside.held / particles.masses[:, None]
+        inverse_mass[self._n :] = 0.0
         self._inverse_mass = wp.array(inverse_mass, dtype=kit.vec, device=device)
-        self._values = wp.zeros((4, self._n), dtype=kit.real, device=device)
-        self._chunks = wp.zeros((4, -(-self._n // CHUNK)), dtype=wp.float64, device=device)
+        self._values = wp.zeros((4, particles.count), dtype=kit.real, device=device)
+        self._chunks = wp.zeros((4, -(-particles.count // CHUNK)), dtype=wp.float64, device=device)
         self._hold_still(particles)
         self.phases = self._make_phases()
 
     def start(self) -> None:
         """Evaluate the forces of the initial state, which the first step begins with."""
-        self.outside.drive(self.state, self._mass)
+        self._place()
         if self.contacts:
             self.contacts.renew(self.state)
         for _, launch in self.model.passes:
             launch(self.state, 0, self._n)
         if self.contacts:
-            self.contacts.launch_force(self.state)
+            self._touch(self.contacts)
         self.outside.push(self.state.force, self._mass)
         self._kick(0.0, 0, self._n)
-        self.outside.account(self.state, self._mass, 0.0)
+        self._account(0.0)
 
     def step(self) -> None:
         """Advance by one time step."""
@@ -119,14 +127,14 @@ class Solid:
         phases = [Phase("drift", self._drift, splits=True)]
         if spins:
             phases.append(Phase("spin drift", functools.partial(spins.drift, self._dt), splits=True, follows=True))
-        if self.outside.moving:
+        if self._moving:
             phases.append(Phase("drive", lambda *_: self._drive()))
         if contacts:
             phases.append(Phase("contact search", lambda *_: contacts.locate(state)))
         for name, launch in self.model.passes:
             phases.append(Phase(name, functools.partial(launch, state), splits=True))
         if contacts:
-            phases.append(Phase("contact", lambda *_: contacts.launch_force(state)))
+            phases.append(Phase("contact", lambda *_: self._touch(contacts)))
         if self.outside.moving:
             phases.append(Phase("push", lambda *_: self.outside.push(state.force, self._mass)))
         phases.append(Phase("kick", functools.partial(self._kick, self._dt), splits=True, follows=True))
@@ -134,9 +142,9 @@ class Solid:
             phases.append(Phase("spin kick", functools.partial(spins.kick, self._dt), splits=True, follows=True))
         damp = [Phase("damp", lambda *_: self._damp())] if self._damping else []
         phases = [*damp, *phases, *damp]
-        if self.outside.moving:
+        if self._moving:
             # after the damping, for a step's work is that of the velocities at its two ends
-            phases.append(Phase("work", lambda *_: self.outside.account(state, self._mass, self._dt)))
+            phases.append(Phase("work", lambda *_: self._account(self._dt)))
         return phases
 
     def energy(self) -> Energy:
@@ -158,7 +166,7 @@ class Solid:
             elastic=float(elastic),
             contact=float(contact),
             potential=float(potential),
-            work=self.outside.work(),
+            work=self.outside.work() + (self.walls.work() if self.walls else 0.0),
             dissipated=float(np.sum(state.dissipated.numpy().astype(float))),
         )
 
@@ -176,22 +184,37 @@ class Solid:
 
     def elastic_torques(self) -> np.ndarray:
         """Elastic torques on the particles' own rotation [N m], shape [n, 1] in 2-D and [n, 3] in 3-D."""
-        if self.model.spins:
-            return self.model.spins.torque.numpy().astype(float)
-        return np.zeros((self._n, 2 * self._kit.dimension - 3))
+        spins = self.model.spins
+        torques = spins.torque.numpy().astype(float) if spins else np.zeros((self._n, 2 * self._kit.dimension - 3))
+        return self._with_walls(torques)
 
     def stress_fields(self) -> StressFields:
         """Stresses and strains of the present state."""
-        return self.model.stress_fields(self.state)
+        return StressFields(*map(self._with_walls, self.model.stress_fields(self.state)))
 
     def energy_densities(self) -> np.ndarray:
         """Strain energy of each particle per reference volume [J/m^3], shape [n]."""
-        return self.model.energy_densities(self.state)
+        return self._with_walls(self.model.energy_densities(self.state))
+
+    def pressures(self) -> np.ndarray:
+        """Pressures at the last evaluation of the forces [Pa], shape [n]."""
+        return self._with_walls(self.model.pressures())
+
+    def rotations(self) -> np.ndarray:
+        """Rotation vectors [rad], shape [n, 1] in 2-D and [n, 3] in 3-D."""
+        return self._with_walls(self.model.rotations(), self.walls.turns()[0] if self.walls else None)
+
+    def angular_velocities(self) -> np.ndarray:
+        """Angular velocities of the particles' own rotation [rad/s], shape [n, 1] in 2-D and [n, 3] in 3-D."""
+        spins = self.model.spins
+        omega = spins.omega.numpy().astype(float) if spins else np.zeros((self._n, 2 * self._kit.dimension - 3))
+        return self._with_walls(omega, self.walls.turns()[1] if self.walls else None)
 
     def arrays(self) -> dict[str, np.ndarray]:
         """Everything that evolves, for a checkpoint."""
         spins = self.model.spins.arrays() if self.model.spins else {}
-        return {**self.state.arrays(), **spins, **self.outside.arrays()}
+        walls = self.walls.arrays() if self.walls else {}
+        return {**self.state.arrays(), **spins, **self.outside.arrays(), **walls}
 
     def assign(self, arrays: dict[str, np.ndarray]) -> None:
         """Continue from arrays that `arrays` gave."""
@@ -199,10 +222,20 @@ class Solid:
         self.outside.assign(arrays)
         if self.model.spins:
             self.model.spins.assign(arrays)
+        if self.walls:
+            self.walls.assign(arrays, self.outside.steps)
         # what a step makes anew, but a look at this moment needs already
         self.model.passes[0][1](self.state, 0, self._n)
         if self.contacts:
             self.contacts.renew(self.state)
+
+    def _with_walls(self, elastic: np.ndarray, walls: np.ndarray | None = None) -> np.ndarray:
+        """Values of the elastic particles, followed by those of the walls, which are 0 if not given."""
+        if not self.walls:
+            return elastic
+        return np.concatenate(
+            (elastic, np.zeros((len(self._masses) - self._n, *elastic.shape[1:])) if walls is None else walls)
+        )
 
     def _drift(self, first: int, count: int) -> None:
         inputs = [first, self._dt, self._inverse_mass, self.state.force]
@@ -210,7 +243,25 @@ class Solid:
 
     def _drive(self) -> None:
         wp.launch(self._motion.tick, 1, [self.outside.steps], device=self._device)
+        self._place()
+
+    def _place(self) -> None:
+        """Place what moves as prescribed: supported particles and walls."""
         self.outside.drive(self.state, self._mass)
+        if self.walls:
+            self.walls.drive(self.state, self.outside.steps)
+
+    def _touch(self, contacts: Contacts) -> None:
+        """Add the contact forces."""
+        if self.walls:
+            self.walls.clear(self.state)
+        contacts.launch_force(self.state)
+
+    def _account(self, dt: float) -> None:
+        """Add the work of a step from outside."""
+        self.outside.account(self.state, self._mass, dt)
+        if self.walls:
+            self.walls.account(self.state)
 
     def _kick(self, dt: float, first: int, count: int) -> None:
         inputs = [first, dt, self._gravity, self._mass, self._inverse_mass]

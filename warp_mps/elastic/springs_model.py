@@ -74,7 +74,7 @@ class SpringModel:
     def launch_energy(self, state: ElasticState, energy_out: wp.array) -> None:
         """Elastic energy of every particle [J]."""
         inputs = [self.start, self.index, self.bond, self.area, self.stiffness, self.bulk, state.u, self.spins.q]
-        wp.launch(self.kernels.energy, len(state.u), inputs, [energy_out], device=self.device)
+        wp.launch(self.kernels.energy, len(self.bulk), inputs, [energy_out], device=self.device)
 
     def pressures(self) -> np.ndarray:
         """Pressure p_i = -lambda (div u)_i of each particle (eq. 14) [Pa], shape [n]."""
@@ -82,7 +82,7 @@ class SpringModel:
 
     def stress_fields(self, state: ElasticState) -> StressFields:
         """Stresses and strains of the deformation that fits the neighbours best."""
-        gradients = wp.empty(len(state.u), dtype=self._kit.mat, device=self.device)
+        gradients = wp.empty(len(self.bulk), dtype=self._kit.mat, device=self.device)
         inputs = [self.start, self.index, self.bond, self.area, state.u, self.spins.q]
         wp.launch(stress_kernels(self._kit).fit, len(gradients), inputs, [gradients], device=self.device)
         laws = wp.zeros(len(gradients), dtype=wp.int32, device=self.device)
@@ -92,7 +92,7 @@ class SpringModel:
 
     def energy_densities(self, state: ElasticState) -> np.ndarray:
         """Energy of the springs and of the volume change per reference volume [J/m^3], shape [n]."""
-        energies = wp.empty(len(state.u), dtype=self._kit.real, device=self.device)
+        energies = wp.empty(len(self.bulk), dtype=self._kit.real, device=self.device)
         self.launch_energy(state, energies)
         return energies.numpy().astype(float) / self.volume
 

@@ -25,7 +25,7 @@ def interpolate(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Particles and weights that give a field's value at a point of the undeformed scene.
 
-    Only particles of the nearest body take part.
+    Only particles of the nearest elastic body take part.
 
     Args:
         particles: The particles.
@@ -39,6 +39,7 @@ def interpolate(
     Raises:
         InputError: The point is farther than a particle spacing from every particle.
     """
+    particles = particles.elastic_part()
     distances = np.linalg.norm(particles.positions - point, axis=1)
     nearest = int(np.argmin(distances / particles.spacings))
     spacing = float(particles.spacings[nearest])

@@ -6,12 +6,15 @@ from warp_mps.errors import InputError
 from warp_mps.usd import rows
 from warp_mps.usd.rows import Attribute
 
-ROLES = ("body", "support", "load", "probe", "measurement")
+ROLES = ("body", "wall", "support", "load", "probe", "measurement")
 ROLE = "mps:role"
 
 TABLE: dict[str, dict[str, Attribute]] = {
     part[0].role: {row.name: row for row in part}
-    for part in (rows.SCENE, rows.BODY, rows.MATERIAL, rows.SUPPORT, rows.LOAD, rows.PROBE, rows.MEASUREMENT)
+    for part in (
+        *(rows.SCENE, rows.BODY, rows.WALL, rows.MATERIAL),
+        *(rows.SUPPORT, rows.LOAD, rows.PROBE, rows.MEASUREMENT),
+    )
 }
 
 # Fields of shapes and of the scene whose name in the stage is not in the table.

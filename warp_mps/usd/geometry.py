@@ -29,7 +29,7 @@ def world_matrix(prim: Usd.Prim) -> np.ndarray:
     while ancestor:
         transform = UsdGeom.Xformable(ancestor)
         if transform and transform.TransformMightBeTimeVarying():
-            reason = "varies in time; a support moves by mps:motion:amplitude or mps:motion:times"
+            reason = "varies in time; a support or a wall moves by mps:motion:amplitude or mps:motion:times"
             raise InputError(str(ancestor.GetPath()), "xformOpOrder", reason)
         ancestor = ancestor.GetParent()
     return np.array(UsdGeom.XformCache(Usd.TimeCode.Default()).GetLocalToWorldTransform(prim)).T

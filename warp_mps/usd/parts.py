@@ -8,7 +8,14 @@ import numpy as np
 from pxr import Usd, UsdGeom, UsdPhysics
 
 from warp_mps.errors import InputError
-from warp_mps.scene import HarmonicMotion, StageFrame, TableMotion, VelocityField
+from warp_mps.scene import (
+    HarmonicMotion,
+    HarmonicRotation,
+    StageFrame,
+    TableMotion,
+    TableRotation,
+    VelocityField,
+)
 from warp_mps.usd.attributes import ROLE, ROLES, TABLE
 from warp_mps.usd.frame import Frame
 from warp_mps.usd.geometry import world_matrix
@@ -106,17 +113,45 @@ def velocity_field(values: Values) -> VelocityField | None:
 
 
 def motion(values: Values) -> HarmonicMotion | TableMotion | None:
-    """The prescribed displacement of a support, if it has one."""
-    harmonic = values.fields(*(f"mps:motion:{part}" for part in ("amplitude", "frequency", "phase")), prefix="motion.")
-    table = values.fields("mps:motion:times", "mps:motion:displacements", prefix="motion.")
+    """The prescribed displacement of a support or a wall, if it has one."""
+    harmonic, table = _motion_fields(values, "motion", "displacements")
+    return HarmonicMotion(**harmonic) if harmonic else TableMotion(**table) if table else None
+
+
+def rotation(values: Values) -> HarmonicRotation | TableRotation | None:
+    """The prescribed turn of a wall, if it has one."""
+    harmonic, table = _motion_fields(values, "rotation", "angles")
+    place = values.fields("mps:rotation:pivot", "mps:rotation:axis", prefix="rotation.")
+    given = harmonic or table
+    names = ("pivot",) if values.frame.dimension == 2 else ("pivot", "axis")
+    for part in names if given else ():
+        if part not in place:
+            raise InputError(values.path, f"mps:rotation:{part}", "is missing: the rotation needs it")
+    if place and not given:
+        raise InputError(values.path, "mps:rotation:amplitude", "is missing, and so is a table: nothing turns")
+    if values.frame.dimension == 2 and "axis" in place and given:
+        # in the plane angles are about its normal, and the axis says no more than their sign
+        (along,) = place.pop("axis")
+        if along == 0.0:
+            raise InputError(values.path, "mps:rotation:axis", "has no length")
+        part = "amplitude" if harmonic else "angles"
+        given[part] = given[part] if along > 0.0 else -given[part]
+    return HarmonicRotation(**harmonic, **place) if harmonic else TableRotation(**table, **place) if table else None
+
+
+def _motion_fields(values: Values, kind: str, rows: str) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Fields of a harmonic motion and of a table of which one at most is given, and that one whole."""
+    prefix = f"{kind}."
+    harmonic = values.fields(*(f"mps:{kind}:{part}" for part in ("amplitude", "frequency", "phase")), prefix=prefix)
+    table = values.fields(*(f"mps:{kind}:{part}" for part in ("times", rows, "interpolation")), prefix=prefix)
     if harmonic and table:
-        reason = "is given beside a table of displacements: a motion is one or the other"
-        raise InputError(values.path, "mps:motion:amplitude", reason)
-    needed = ("amplitude", "frequency") if harmonic else ("times", "displacements") if table else ()
+        reason = f"is given beside a table of {rows}: a {kind} is one or the other"
+        raise InputError(values.path, f"mps:{kind}:amplitude", reason)
+    needed = ("amplitude", "frequency") if harmonic else ("times", rows) if table else ()
     for part in needed:
         if part not in {**harmonic, **table}:
-            raise InputError(values.path, f"mps:motion:{part}", "is missing: the motion needs it")
-    return HarmonicMotion(**harmonic) if harmonic else TableMotion(**table) if table else None
+            raise InputError(values.path, f"mps:{kind}:{part}", f"is missing: the {kind} needs it")
+    return harmonic, table
 
 
 def origin(prim: Usd.Prim, frame: Frame) -> tuple[float, ...]:

@@ -25,6 +25,7 @@ PALETTE = (
     (0.58, 0.40, 0.74),
     (0.55, 0.57, 0.60),
 )
+WALL_COLOR = (0.72, 0.72, 0.70)
 
 
 class PointsFile:
@@ -158,7 +159,8 @@ def _define_body(stage: Any, particles: Particles, index: int, frame: StageFrame
     width = _width(particles, (first, last), frame)
     points.CreateWidthsAttr(Vt.FloatArray.FromNumpy(np.full(last - first, width, dtype=np.float32)))
     points.SetWidthsInterpolation(UsdGeom.Tokens.vertex)
-    points.CreateDisplayColorPrimvar(UsdGeom.Tokens.constant).Set([Gf.Vec3f(*PALETTE[index % len(PALETTE)])])
+    color = PALETTE[index % len(PALETTE)] if index < particles.elastic_bodies else WALL_COLOR
+    points.CreateDisplayColorPrimvar(UsdGeom.Tokens.constant).Set([Gf.Vec3f(*color)])
     for create in (points.CreatePointsAttr, points.CreateVelocitiesAttr, points.CreateExtentAttr):
         create()
 

@@ -10,7 +10,7 @@ from pxr import Usd, UsdShade
 
 from warp_mps.components import component_names
 from warp_mps.errors import InputError
-from warp_mps.scene import Body, Contact, Elasticity, Load, Material, Measurement, Probe, Scene, Support
+from warp_mps.scene import Body, Contact, Elasticity, Load, Material, Measurement, Probe, Scene, Support, Wall
 from warp_mps.shapes import Shape, particle_count
 from warp_mps.usd import parts
 from warp_mps.usd.attributes import ROLE, stage_error
@@ -37,14 +37,14 @@ def read_stage(path: str | Path, *, overrides: Mapping[str, str] | None = None) 
     with quiet():
         try:
             scene = _Reader(stage, str(path)).scene(Path(path).stem)
-            for body in scene.bodies:
-                _check_lattice(body, scene.dimension)
+            for item in scene.filled:
+                _check_lattice(item, scene.dimension)
         except InputError as error:
             raise stage_error(error) from None
     return scene
 
 
-def _check_lattice(body: Body, dimension: int) -> None:
+def _check_lattice(body: Body | Wall, dimension: int) -> None:
     """Refuse what cannot be filled with particles, while the stage's words for it are known."""
     try:
         particle_count(body.shape, body.spacing, dimension, body.node_axes)
@@ -63,6 +63,10 @@ class _Reader:
         if not self.parts["body"]:
             raise InputError(path, "", f'there is no body: no prim has {ROLE} = "body"')
         self.names = {role: parts.unique_names(prims) for role, prims in self.parts.items()}
+        # bodies and walls stand side by side in results
+        filled = parts.unique_names([*self.parts["body"], *self.parts["wall"]])
+        for role in ("body", "wall"):
+            self.names[role] = {path: filled[path] for path in self.names[role]}
         self.frame = parts.frame(stage, self.physics)
 
     def scene(self, name: str) -> Scene:
@@ -80,6 +84,7 @@ class _Reader:
             dimension=self.frame.dimension,
             gravity=parts.gravity(self.stage, self.physics, self.frame),
             bodies=tuple(self._body(prim) for prim in self.parts["body"]),
+            walls=tuple(self._wall(prim) for prim in self.parts["wall"]),
             supports=tuple(self._support(prim) for prim in self.parts["support"]),
             loads=tuple(self._load(prim) for prim in self.parts["load"]),
             probes=tuple(probes.values()),
@@ -104,6 +109,18 @@ class _Reader:
             bonded_to=self._named(values, "mps:bondedTo", "body"),
             path=values.path,
             **parts.scalar_turn(values.fields("mps:spacing", "mps:velocity", "mps:angularVelocity")),
+        )
+
+    def _wall(self, prim: Usd.Prim) -> Wall:
+        values = self._values(prim, "wall")
+        return Wall(
+            name=self._name(prim, "wall"),
+            shape=self._region(values),
+            node_axes=values.axes("mps:nodeAxes", "xyz"),
+            motion=parts.motion(values),
+            rotation=parts.rotation(values),
+            path=values.path,
+            **values.fields("mps:spacing", "mps:slip"),
         )
 
     def _material(self, prim: Usd.Prim) -> Material:
@@ -161,10 +178,10 @@ class _Reader:
         )
 
     def _target(self, values: Values, targets: list[str]) -> dict[str, str]:
-        for role in ("body", "support"):
+        for role, field in (("body", "body"), ("wall", "body"), ("support", "support")):
             if len(targets) == 1 and targets[0] in self.names[role]:
-                return {role: self.names[role][targets[0]]}
-        raise InputError(values.path, "mps:target", "must lead to one body or one support")
+                return {field: self.names[role][targets[0]]}
+        raise InputError(values.path, "mps:target", "must lead to one body, one wall or one support")
 
     def _measurement(self, prim: Usd.Prim, known: Mapping[str, Probe]) -> Measurement:
         values = self._values(prim, "measurement")

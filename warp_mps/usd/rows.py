@@ -151,6 +151,42 @@ BODY = _table(
     _row("mps:bondedTo", "rel", "bonded_to", "bodies that it is joined to, their particles neighbours as of one body"),
 )
 
+_MOTION = (
+    _row("mps:motion:amplitude", "double3", "motion.amplitude",
+         "amplitude of a displacement amplitude (sin(2 pi f t + phase) - sin(phase))", **_LENGTH),
+    _row("mps:motion:frequency", "double", "motion.frequency", "its frequency f, above 0", unit="Hz"),
+    _row("mps:motion:phase", "double", "motion.phase", "its phase", **_RADIANS),
+    _row("mps:motion:times", "double[]", "motion.times", "times of a table of displacements, increasing", **_SECONDS),
+    _row("mps:motion:displacements", "double3[]", "motion.displacements", "its displacements, one a time", **_LENGTH),
+    _row("mps:motion:interpolation", "token", "motion.interpolation",
+         "how they are joined: by straight lines, or by the spline that is at rest at both ends",
+         default=_default(sc.TableMotion, "interpolation"), allowed=sc.INTERPOLATIONS),
+)
+
+WALL = _table(
+    "wall",
+    _row("mps:spacing", "double", "spacing", "particle spacing, above 0", required=True, **_LENGTH),
+    _INNER,
+    _row("mps:nodeAxes", "token", "node_axes",
+         "the shape's own axes, such as `xz`, along which the outermost particles lie on the faces"),
+    _row("mps:slip", "token", "slip", "whether fluid slides along it freely, or not at all",
+         default=_default(sc.Wall, "slip"), allowed=sc.WALL_SLIPS),
+    *_MOTION,
+    _row("mps:rotation:amplitude", "double", "rotation.amplitude",
+         "amplitude of a turn by amplitude (sin(2 pi f t + phase) - sin(phase))", unit="rad"),
+    _row("mps:rotation:frequency", "double", "rotation.frequency", "its frequency f, above 0", unit="Hz"),
+    _row("mps:rotation:phase", "double", "rotation.phase", "its phase", **_RADIANS),
+    _row("mps:rotation:times", "double[]", "rotation.times", "times of a table of angles, increasing", **_SECONDS),
+    _row("mps:rotation:angles", "double[]", "rotation.angles", "its angles, one a time", unit="rad"),
+    _row("mps:rotation:interpolation", "token", "rotation.interpolation", "how they are joined, as of a motion",
+         default=_default(sc.TableRotation, "interpolation"), allowed=sc.INTERPOLATIONS),
+    _row("mps:rotation:pivot", "double3", "rotation.pivot",
+         "point that it turns about, which a motion carries along", nature="point", **_LENGTH),
+    _row("mps:rotation:axis", "double3", "rotation.axis",
+         "direction that it turns about, by the right hand; in 2-D the normal of the plane if not given",
+         nature="axial"),
+)
+
 _BODIES = _row("mps:bodies", "rel", "bodies", "bodies that it acts on, all if not given")
 SUPPORT = _table(
     "support",
@@ -158,13 +194,7 @@ SUPPORT = _table(
     _BODIES,
     _row("mps:holdRotation", "bool", "hold_rotation",
          "whether the particles' rotation is held; if not given, where every axis is held"),
-    _row("mps:motion:amplitude", "double3", "motion.amplitude",
-         "amplitude of a displacement amplitude (sin(2 pi f t + phase) - sin(phase))", **_LENGTH),
-    _row("mps:motion:frequency", "double", "motion.frequency", "its frequency f, above 0", unit="Hz"),
-    _row("mps:motion:phase", "double", "motion.phase", "its phase", **_RADIANS),
-    _row("mps:motion:times", "double[]", "motion.times", "times of a table of displacements, increasing", **_SECONDS),
-    _row("mps:motion:displacements", "double3[]", "motion.displacements",
-         "its displacements, one a time, linear in between", **_LENGTH),
+    *_MOTION,
     _INNER,
 )
 
@@ -184,7 +214,7 @@ PROBE = _table(
     "probe",
     _row("mps:quantity", "token", "quantity", "what is recorded, of those that its place has",
          default=_default(sc.Probe, "quantity"), allowed=_PROBES),
-    _row("mps:target", "rel", "target", "a body or a support that it records, instead of a place"),
+    _row("mps:target", "rel", "target", "a body, a wall or a support that it records, instead of a place"),
     _row("mps:about", "double3", "about", "point inside a body about which a `section_moment` is taken",
          nature="point", **_LENGTH),
     _INNER,

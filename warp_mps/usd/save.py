@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
@@ -58,7 +59,10 @@ class _Writer:
         self.frame = Frame(scene.frame, scene.dimension)
         self.paths = {
             kind: {item.name: f"{ROOT}/{kind}/{item.name}" for item in items}
-            for kind, items in (("Bodies", scene.bodies), ("Supports", scene.supports), ("Probes", scene.probes))
+            for kind, items in (
+                *(("Bodies", scene.bodies), ("Walls", scene.walls)),
+                *(("Supports", scene.supports), ("Probes", scene.probes)),
+            )
         }
 
     def write(self) -> None:
@@ -71,6 +75,8 @@ class _Writer:
         self._scene()
         for body in self.scene.bodies:
             self._body(body)
+        for wall in self.scene.walls:
+            self._wall(wall)
         for support in self.scene.supports:
             self._support(support)
         for number, load in enumerate(self.scene.loads):
@@ -120,9 +126,23 @@ class _Writer:
                 values[f"mps:velocityField:{part}"] = getattr(body.velocity_field, part)
         self._author(prim, "body", values)
         self._relate(prim, "mps:bondedTo", "Bodies", body.bonded_to)
-        if isinstance(body.shape, Points):
-            count = len(body.shape.positions)
-            width = body.spacing / self.frame.stage.meters_per_unit
+        self._widths(prim, body)
+
+    def _wall(self, wall: sc.Wall) -> None:
+        prim = self._region("Walls", wall.name, wall, wall.shape)
+        axes = lattice_axes(wall.shape, wall.node_axes, self.frame)
+        values: dict[str, Any] = {"mps:spacing": wall.spacing, "mps:nodeAxes": axes or None, "mps:slip": wall.slip}
+        values |= _moving("motion", wall.motion)
+        values |= _moving("rotation", wall.rotation)
+        if wall.rotation and self.scene.dimension == 2:
+            values["mps:rotation:axis"] = (1.0,)
+        self._author(prim, "wall", values)
+        self._widths(prim, wall)
+
+    def _widths(self, prim: Usd.Prim, item: sc.Body | sc.Wall) -> None:
+        if isinstance(item.shape, Points):
+            count = len(item.shape.positions)
+            width = item.spacing / self.frame.stage.meters_per_unit
             UsdGeom.Points(prim).CreateWidthsAttr([width] * count)
 
     def _material(self, body: sc.Body) -> UsdShade.Material:
@@ -145,11 +165,7 @@ class _Writer:
         prim = self._region("Supports", support.name, support, support.region)
         values: dict[str, Any] = {"mps:holdRotation": support.hold_rotation}
         values["mps:axes"] = "".join(self.frame.stage.axes[axis] for axis in support.axes) or None
-        motion = support.motion
-        if isinstance(motion, sc.HarmonicMotion):
-            values |= {f"mps:motion:{part}": getattr(motion, part) for part in ("amplitude", "frequency", "phase")}
-        elif motion is not None:
-            values |= {f"mps:motion:{part}": getattr(motion, part) for part in ("times", "displacements")}
+        values |= _moving("motion", support.motion)
         self._author(prim, "support", values)
         self._relate(prim, "mps:bodies", "Bodies", support.bodies)
 
@@ -171,7 +187,8 @@ class _Writer:
             if probe.point is not None:
                 xform.AddTranslateOp().Set(Gf.Vec3d(*self.frame.vectors_to_stage(probe.point, _POINT).tolist()))
         self._author(prim, "probe", {"mps:quantity": probe.quantity, "mps:about": probe.about})
-        for kind, name in (("Bodies", probe.body), ("Supports", probe.support)):
+        filled = "Walls" if probe.body in self.paths["Walls"] else "Bodies"
+        for kind, name in ((filled, probe.body), ("Supports", probe.support)):
             self._relate(prim, "mps:target", kind, () if name is None else (name,))
 
     def _measurement(self, measurement: sc.Measurement, number: int) -> None:
@@ -221,6 +238,11 @@ class _Writer:
     def _relate(self, prim: Usd.Prim, name: str, kind: str, names: tuple[str, ...]) -> None:
         if names:
             prim.CreateRelationship(name, custom=False).SetTargets([self.paths[kind][other] for other in names])
+
+
+def _moving(kind: str, motion: Any) -> dict[str, Any]:
+    """Attributes of a motion or a rotation; what it has, by the names of its fields."""
+    return {f"mps:{kind}:{item.name}": getattr(motion, item.name) for item in fields(motion)} if motion else {}
 
 
 def _usd_value(value: Any, row: Any, frame: Frame) -> Any:
