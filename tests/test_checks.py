@@ -21,6 +21,7 @@ from warp_mps.scene import (
     Load,
     Material,
     Measurement,
+    Part,
     Probe,
     Scene,
     StageFrame,
@@ -61,6 +62,13 @@ def body(**fields: Any) -> dict[str, Any]:
 def material(**fields: Any) -> dict[str, Any]:
     """Fields of a scene whose material is another one."""
     return body(material=replace(RUBBER, path="/World/rubber", **fields))
+
+
+def part(**fields: Any) -> dict[str, Any]:
+    """Fields of a scene whose body has a part."""
+    return body(
+        parts=(Part(**{"name": "core", "region": REGION, "material": RUBBER, "path": "/World/core", **fields}),)
+    )
 
 
 def support(**fields: Any) -> dict[str, Any]:
@@ -172,6 +180,9 @@ BROKEN: list[tuple[str, str, str, dict[str, Any]]] = [
     ("/World/block", "angular_velocity", "1 finite numbers", body(angular_velocity=(0.0, 0.0, 1.0))),
     ("/World/block", "node_axes", "must be axes", body(node_axes=(3,))),
     ("/World/block", "bonded_to", "names no body: 'ghost'", body(bonded_to=("ghost",))),
+    ("/World/core", "density", "above 0", part(material=replace(RUBBER, density=0.0))),
+    ("/World/core", "poissons_ratio", "between -1 and 0.5", part(material=replace(RUBBER, poissons_ratio=0.5))),
+    ("/World/core", "name", "is empty", part(name="")),
     ("/World/block", "velocity_field", "must be one of: sine", velocity_field(kind="square")),
     ("/World/block", "velocity_field.amplitude", "2 finite numbers", velocity_field(amplitude=(1.0,))),
     ("/World/block", "velocity_field.amplitude", "'sine' needs it", velocity_field(amplitude=None)),
@@ -264,6 +275,7 @@ def test_items_without_a_path_are_named_by_kind_and_name() -> None:
         {"gravity": (0.0, -9.81), "damping": 0.0, "sample_rate": 1000.0, "time_step": 1e-5},
         {**material(poissons_ratio=0.7), "plane": "stress"},
         material(poissons_ratio=-0.5),
+        part(),
         support(motion=SWING, axes=(1,)),
         support(motion=STEPS, bodies=("block",)),
         load(frequency=3.0, acceleration=(0.0, 1.0)),

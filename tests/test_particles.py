@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from tests.scenes import RUBBER, STEEL, block, scene_of
 from warp_mps.errors import InputError
 from warp_mps.particles import Particles, count_particles, fill_scene, select, select_held
-from warp_mps.scene import Body, Load, Scene, Support, VelocityField, Wall
+from warp_mps.scene import Body, Load, Part, Scene, Support, VelocityField, Wall
 from warp_mps.shapes import Box, Cylinder, Points
+
+LIGHT = replace(RUBBER, density=10.0)
 
 
 def two_blocks(dimension: int, shift: float, **right: object) -> Scene:
@@ -49,6 +53,37 @@ def test_node_axes_put_particles_on_the_faces() -> None:
     particles = fill_scene(scene_of(block(2, node_axes=(0,))))
     assert particles.count == 5 * 3
     assert np.abs(particles.positions).max(axis=0) == pytest.approx([0.02, 0.01])
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_particles_take_the_material_of_the_last_part_that_they_lie_in(dimension: int) -> None:
+    """2 of 4 columns, then 1 row of 3 over all of them; the other body is not touched."""
+    half = Part(name="half", region=Box((0.02, 0.1, 0.1), (0.01, 0.0)), material=STEEL)
+    row = Part(name="row", region=Box((0.2, 0.01, 0.1), (0.0, 0.01)), material=LIGHT)
+    scene = two_blocks(dimension, 0.1)
+    scene = replace(scene, bodies=(replace(scene.bodies[0], parts=(half, row)), scene.bodies[1]))
+    assert scene.materials == (RUBBER, STEEL, LIGHT, STEEL)
+    particles = fill_scene(scene)
+    deep = {2: 1, 3: 2}[dimension]
+    assert np.bincount(particles.materials).tolist() == [4 * deep, 4 * deep, 4 * deep, 12 * deep]
+    volume = 0.01**dimension
+    assert particles.masses.sum() == pytest.approx(4 * deep * volume * (1000 + 3000 + 10 + 3 * 3000), rel=1e-12)
+    top = particles.positions[:, 1] > 0.005
+    assert (particles.materials[top & (particles.bodies == 0)] == 2).all()
+
+
+@pytest.mark.parametrize(("first", "second"), [((0.5, 0.0), (0.01, 0.0)), ((0.1, 0.0), (0.0, 0.0))])
+def test_a_part_must_hold_a_particle(first: tuple[float, float], second: tuple[float, float]) -> None:
+    """One that lies outside, one that lies in another body, and one that a later part covers."""
+    parts = [
+        Part(name="lost", region=Box((0.02, 0.02), first), material=STEEL, path="/World/lost"),
+        Part(name="kept", region=Box((0.02, 0.02), second), material=STEEL),
+    ]
+    scene = two_blocks(2, 0.1)
+    for chosen in (parts, [parts[0], replace(parts[1], region=parts[0].region)]):
+        broken = replace(scene, bodies=(replace(scene.bodies[0], parts=tuple(chosen)), scene.bodies[1]))
+        with pytest.raises(InputError, match=r"/World/lost region: the part holds no particle of body 'left'"):
+            fill_scene(broken)
 
 
 @pytest.mark.parametrize("dimension", [2, 3])

@@ -18,7 +18,7 @@ from warp_mps.errors import InputError
 from warp_mps.spline import table_values
 
 if TYPE_CHECKING:
-    from warp_mps.scene import Body, Load, Material, Measurement, Probe, Scene, Support, Wall
+    from warp_mps.scene import Body, Load, Material, Measurement, Part, Probe, Scene, Support, Wall
 
 
 def check_scene(scene: Scene) -> None:
@@ -45,7 +45,7 @@ def check_scene(scene: Scene) -> None:
         _measurement(scene, measurement)
 
 
-def place(item: Body | Wall | Support | Load | Probe | Measurement, kind: str) -> str:
+def place(item: Body | Part | Wall | Support | Load | Probe | Measurement, kind: str) -> str:
     """How an error names an item: its path, or its kind and name where it has none."""
     return item.path or f"{kind} '{item.name}'"
 
@@ -90,6 +90,7 @@ def _frame(scene: Scene) -> None:
 def _unique(scene: Scene) -> None:
     groups: dict[str, Sequence[Any]] = {
         "body": scene.bodies,
+        "part": [part for body in scene.bodies for part in body.parts],
         "wall": scene.walls,
         "support": scene.supports,
         "load": scene.loads,
@@ -110,6 +111,8 @@ def _body(scene: Scene, body: Body) -> None:
     where = place(body, "body")
     _filled(body, where)
     _material(body.material, scene, where)
+    for part in body.parts:
+        _material(part.material, scene, place(part, "part"))
     if body.velocity is not None:
         _vector(body.velocity, scene.dimension, where, "velocity")
     if body.angular_velocity is not None:

@@ -11,6 +11,8 @@ from warp_mps.scene import Scene
 # steps are counted in 32 bits on the device
 MOST_STEPS = 2**31 - 1
 SMALLEST_STEP = 1e-200
+# of the largest stable step: what a step that is not given has at most
+SAFETY = 0.9
 
 
 class Clock:
@@ -29,7 +31,9 @@ class Clock:
 
     def __init__(self, scene: Scene) -> None:
         crossing = min(
-            body.spacing / pressure_wave_speed(body.material, scene.dimension, scene.plane) for body in scene.bodies
+            body.spacing / pressure_wave_speed(material, scene.dimension, scene.plane)
+            for body in scene.bodies
+            for material in body.materials
         )
         # a contact as stiff as the material adds to the stiffness of the particles that touch
         slower = math.sqrt(max(1.0, scene.contact.stiffness))
@@ -38,9 +42,8 @@ class Clock:
         frame = 1.0 / scene.frame_rate
         samples = max(1, round((scene.sample_rate or scene.frame_rate) / scene.frame_rate))
         if scene.time_step is None:
-            self.sample_every = max(
-                1, math.ceil(_count(scene, frame / samples, scene.courant * crossing, "frame_rate"))
-            )
+            step = min(scene.courant * crossing, SAFETY * self.dt_limit)
+            self.sample_every = max(1, math.ceil(_count(scene, frame / samples, step, "frame_rate")))
             self.dt = frame / (samples * self.sample_every)
         else:
             self.sample_every = max(1, round(_count(scene, frame / samples, scene.time_step, "time_step")))

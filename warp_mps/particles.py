@@ -39,6 +39,7 @@ class Particles:
         masses: Masses [kg], in 2-D [kg/m], shape [n]; of walls nominal ones, by `NOMINAL_DENSITY`.
         spacings: Particle spacing l0 [m], shape [n].
         bodies: Index of the body of each particle, shape [n].
+        materials: Index of the material of each particle in those of the scene, -1 for walls, shape [n].
         groups: Index of the group of bonded bodies of each particle, shape [n]; all walls are one.
         ids: Identifiers, stable whatever the order, unique in the scene, shape [n].
     """
@@ -52,6 +53,7 @@ class Particles:
     masses: np.ndarray
     spacings: np.ndarray
     bodies: np.ndarray
+    materials: np.ndarray
     groups: np.ndarray
     ids: np.ndarray
 
@@ -99,25 +101,29 @@ def fill_scene(scene: Scene) -> Particles:
     """Fill the bodies and the walls of a scene with particles.
 
     Raises:
-        InputError: A body or a wall is thinner than one particle, or a body overlaps another or a wall.
+        InputError: A body or a wall is thinner than one particle, a body overlaps another or a wall, or a part holds
+            no particle.
     """
     parts = [*(_fill_body(scene, body) for body in scene.bodies), *_fill_walls(scene)]
     counts = np.array([len(positions) for positions, _, _ in parts])
     ends = np.cumsum(counts)
     of_body = np.repeat(np.arange(len(parts)), counts)
     spacings = np.array([item.spacing for item in scene.filled])[of_body]
-    solid = [body.material.density for body in scene.bodies]
-    densities = np.array(solid + [NOMINAL_DENSITY] * len(scene.walls))[of_body]
+    positions = np.concatenate([positions for positions, _, _ in parts])
+    materials = _materials(scene, positions, of_body)
+    # the last is that of the walls
+    densities = np.array([*(material.density for material in scene.materials), NOMINAL_DENSITY])[materials]
     particles = Particles(
         names=tuple(item.name for item in scene.filled),
         ranges=np.column_stack((ends - counts, ends)),
         elastic=int(counts[: len(scene.bodies)].sum()),
-        positions=np.concatenate([positions for positions, _, _ in parts]),
+        positions=positions,
         velocities=np.concatenate([velocities for _, velocities, _ in parts]),
         angular_velocities=np.concatenate([spins for _, _, spins in parts]),
         masses=densities * spacings**scene.dimension,
         spacings=spacings,
         bodies=of_body,
+        materials=materials,
         groups=_groups(scene)[of_body],
         ids=np.arange(int(ends[-1])),
     )
@@ -189,6 +195,27 @@ def _fill_walls(scene: Scene) -> list[tuple[np.ndarray, np.ndarray, np.ndarray]]
         positions = positions[_cell_order(positions, wall.spacing * scene.elasticity.effective_radius)]
         parts.append((positions, np.zeros_like(positions), np.zeros((len(positions), 2 * scene.dimension - 3))))
     return parts
+
+
+def _materials(scene: Scene, positions: np.ndarray, of_body: np.ndarray) -> np.ndarray:
+    """Index of the material of each particle: its body's, or that of the last part that it lies in; -1 for walls.
+
+    Raises:
+        InputError: A part is left without a particle.
+    """
+    counts = [len(body.materials) for body in scene.bodies]
+    firsts = np.cumsum([0, *counts[:-1]])
+    materials = np.append(firsts, np.full(len(scene.walls), -1))[of_body]
+    for own, body in enumerate(scene.bodies):
+        numbered = list(enumerate(body.parts, start=int(firsts[own]) + 1))
+        for number, part in numbered:
+            inside = contains(part.region, positions, REGION_TOLERANCE * body.spacing)
+            materials[inside & (of_body == own)] = number
+        for number, part in numbered:
+            if number not in materials:
+                reason = f"the part holds no particle of body {body.name!r}, or later parts cover it"
+                raise InputError(place(part, "part"), "region", reason)
+    return materials
 
 
 def _spin_velocity(spins: np.ndarray, arms: np.ndarray) -> np.ndarray:

@@ -246,6 +246,24 @@ class Load:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Part:
+    """A region of a body that is made of a material of its own: a layer, a core, a stiffener.
+
+    Attributes:
+        name: Name, unique among the parts of the scene.
+        region: The body's particles whose initial position lies in this shape, faces included, are of the material;
+            where parts of a body overlap, the last one counts.
+        material: What the part is made of.
+        path: Where it was described, for error messages.
+    """
+
+    name: str
+    region: Shape
+    material: Material
+    path: str = ""
+
+
+@dataclass(frozen=True, kw_only=True)
 class Body:
     """An elastic body, filled with particles on a regular lattice.
 
@@ -253,6 +271,7 @@ class Body:
         name: Name, unique in the scene and a valid USD prim name.
         shape: Region it fills.
         material: What it is made of.
+        parts: Regions of it that are made of other materials.
         spacing: Particle spacing l0 [m].
         velocity: Initial velocity [m/s].
         angular_velocity: Initial angular velocity about the centre of mass [rad/s]: a number in 2-D, 3 numbers in 3-D.
@@ -266,6 +285,7 @@ class Body:
     name: str
     shape: Shape
     material: Material
+    parts: tuple[Part, ...] = ()
     spacing: float
     velocity: Vector | None = None
     angular_velocity: float | Vector | None = None
@@ -273,6 +293,11 @@ class Body:
     node_axes: tuple[int, ...] = ()
     bonded_to: tuple[str, ...] = ()
     path: str = ""
+
+    @property
+    def materials(self) -> tuple[Material, ...]:
+        """Its materials: its own, then those of its parts."""
+        return (self.material, *(part.material for part in self.parts))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -450,7 +475,8 @@ class Scene:
         sample_rate: Rows of probes.csv per simulated second, a multiple of `frame_rate` [1/s]; None is `frame_rate`.
         time_step: Time step [s]; None derives it from `courant`. Frames and rows then come every so many whole steps,
             as near to their rates as that allows.
-        courant: Time step in units of l0 / c_p, c_p the speed of pressure waves [-].
+        courant: Time step in units of l0 / c_p, c_p the speed of pressure waves [-], and at most 0.9
+            of what is stable for small deformations.
         stage: How the scene lies in its stage; None is the x-y plane, or x, y, z in 3-D, of a stage in SI units.
         path: Where it was described, for error messages.
 
@@ -485,6 +511,11 @@ class Scene:
         from warp_mps.checks import check_scene
 
         check_scene(self)
+
+    @property
+    def materials(self) -> tuple[Material, ...]:
+        """The materials of its bodies, one body after the other; `Particles.materials` counts in it."""
+        return tuple(material for body in self.bodies for material in body.materials)
 
     @property
     def frame(self) -> StageFrame:

@@ -59,6 +59,18 @@ def test_check_says_what_a_run_takes(tmp_path: Path, capsys: pytest.CaptureFixtu
     assert "ABOVE THE LIMIT" in capsys.readouterr().out
 
 
+def test_check_shows_what_a_body_of_several_materials_is_made_of(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A quarter of a square of 1 m is half as dense."""
+    core = ("Cube", 'token mps:role = "part"', "rel mps:body = </Beam>", "rel material:binding:physics = </Steel>")
+    core += ("double size = 0.5", "float physics:density = 3900")
+    assert main(["check", str(write(tmp_path, Core=core)), "--set", "/Beam.mps:spacing=0.05"]) == 0
+    text = capsys.readouterr().out
+    assert "Beam: 300 particles, 5850 kg/m" in text
+    assert "Beam, part Core: 100 particles, 975 kg/m" in text
+
+
 def test_run_leaves_its_results(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     out = tmp_path / "out"
     stage = str(write(tmp_path, Scene=("double mps:duration = 1e-3", "double mps:frameRate = 5000"), **SHAKEN))

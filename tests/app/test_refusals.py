@@ -27,7 +27,7 @@ def refusal(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
 @pytest.mark.parametrize(
     ("parts", "expected"),
     [
-        ({"Beam": ('token mps:role = "boddy"',)}, "/Beam mps:role: is 'boddy', must be one of: body, wall, support"),
+        ({"Beam": ('token mps:role = "boddy"',)}, "/Beam mps:role: is 'boddy', must be one of: body, part, wall"),
         ({"Beam": ("double mps:spacing = -1",)}, "/Beam mps:spacing: is -1, must be finite and above 0"),
         ({"Beam": ("-mps:spacing",)}, "/Beam mps:spacing: is missing"),
         ({"Beam": ("double mps:spacing = 3",)}, "thinner than one particle"),

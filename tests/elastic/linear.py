@@ -69,7 +69,7 @@ def linear_system(scene: Scene, particles: Particles, held: np.ndarray | None = 
         held: Which freedoms are held, shape [n, d + 1] in 2-D and [n, 6] in 3-D; None holds none.
     """
     d, n = particles.dimension, particles.count
-    lame = np.array([lame_of(body.material, scene) for body in scene.bodies])[particles.bodies]
+    lame = np.array([lame_of(material, scene) for material in scene.materials])[particles.materials]
     volume = particles.spacings**d
     i, j, bond, w = pairs_of(scene, particles)
     length = np.linalg.norm(bond, axis=1)

@@ -25,7 +25,7 @@ def linear_hamiltonian(scene: Scene, particles: Particles, held: np.ndarray | No
         held: Which displacements are held, shape [n, d]; None holds none.
     """
     d = particles.dimension
-    lame, mu = np.array([lame_of(body.material, scene) for body in scene.bodies])[particles.bodies].T
+    lame, mu = np.array([lame_of(material, scene) for material in scene.materials])[particles.materials].T
     volume = particles.spacings**d
     i, j, bond, w = pairs_of(scene, particles)
     omega = w / np.sum(bond**2, axis=1)

@@ -277,6 +277,7 @@ def big(count: int = 20_000) -> Particles:
         masses=zeros,
         spacings=zeros + 0.1,
         bodies=np.zeros(count, int),
+        materials=np.zeros(count, int),
         groups=np.zeros(count, int),
         ids=np.arange(count),
     )

@@ -10,7 +10,7 @@ import pytest
 
 from tests.usd.stages import write
 from warp_mps.scene import HarmonicMotion, TableMotion
-from warp_mps.shapes import Mesh, Points, contains, fill
+from warp_mps.shapes import Box, Mesh, Points, contains, fill
 from warp_mps.usd.attributes import TABLE, stage_name
 from warp_mps.usd.read import read_stage
 
@@ -226,6 +226,20 @@ def test_relationships_motions_and_fields(tmp_path: Path) -> None:
         (None, None, True),
         (None, "Beam", False),
     ]
+
+
+def test_parts_of_a_body_have_materials_of_their_own(tmp_path: Path) -> None:
+    lead = ("Material", "float physics:density = 11340", "double mps:youngsModulus = 1.6e10")
+    lead += ("double mps:poissonsRatio = 0.44",)
+    core = ("Cube", 'token mps:role = "part"', "double size = 0.5", "rel mps:body = </Beam>")
+    coat = (*core, "rel material:binding:physics = </Steel>", "float physics:density = 7000")
+    scene = read_stage(write(tmp_path, Lead=lead, Core=(*core, "rel material:binding:physics = </Lead>"), Coat=coat))
+    (body,) = scene.bodies
+    assert [(part.name, part.path) for part in body.parts] == [("Core", "/Core"), ("Coat", "/Coat")]
+    assert [material.density for material in scene.materials] == [7800.0, 11340.0, 7000.0]
+    region = body.parts[0].region
+    assert isinstance(region, Box)
+    assert region.size == (0.5, 0.5, 0.5)
 
 
 def test_measurement_takes_its_display_name_and_no_units(tmp_path: Path) -> None:

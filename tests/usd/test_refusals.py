@@ -12,6 +12,8 @@ from warp_mps.errors import InputError
 from warp_mps.usd.read import read_stage
 
 SUPPORT = ("Cube", 'token mps:role = "support"')
+PART = ("Cube", 'token mps:role = "part"', "double size = 0.5")
+STEEL = "rel material:binding:physics = </Steel>"
 PROBE = ("Xform", 'token mps:role = "probe"')
 VON_MISES = 'token mps:quantity = "von_mises"'
 CUT = ("Cube", 'token mps:role = "probe"')
@@ -33,7 +35,7 @@ def refusal(path: Path, **options: Any) -> InputError:
 @pytest.mark.parametrize(
     ("parts", "where", "attribute", "reason"),
     [
-        ({"Beam": ('token mps:role = "boddy"',)}, "/Beam", "mps:role", "'boddy', must be one of: body, wall, support"),
+        ({"Beam": ('token mps:role = "boddy"',)}, "/Beam", "mps:role", "'boddy', must be one of: body, part, wall"),
         ({"Beam": ("-mps:spacing",)}, "/Beam", "mps:spacing", "is missing"),
         ({"Beam": ('string mps:spacing = "0.1"',)}, "/Beam", "mps:spacing", "must be double, not string"),
         ({"Beam": ("double mps:spacing = nan",)}, "/Beam", "mps:spacing", "must be finite"),
@@ -52,6 +54,10 @@ def refusal(path: Path, **options: Any) -> InputError:
         ({"Beam": ("double3 mps:angularVelocity = (1, 0, 0)",)}, "/Beam", "mps:angularVelocity", "the normal of"),
         ({"Beam": ('token mps:nodeAxes = "w"',)}, "/Beam", "mps:nodeAxes", "axes among xyz"),
         ({"Beam": ('token mps:velocityField = "sine"',)}, "/Beam", "mps:velocityField:amplitude", "is missing"),
+        ({"Core": (*PART, "rel mps:body = </Beam>")}, "/Core", "material:binding:physics", "bind a material"),
+        ({"Core": (*PART, STEEL)}, "/Core", "mps:body", "is missing"),
+        ({"Core": (*PART, STEEL, "rel mps:body = </Steel>")}, "/Core", "mps:body", "is no body"),
+        ({"Core": ("Scope", *PART[1:], STEEL, "rel mps:body = </Beam>")}, "/Core", "", "must be one of: Cube"),
         ({"Beam": ('token mps:velocityField = "twist"',)}, "/Beam", "mps:velocityField:rate", "is missing"),
         ({"Beam": ("rel mps:bondedTo = </Nobody>",)}, "/Beam", "mps:bondedTo", "there is no prim"),
         ({"Beam": ("rel mps:bondedTo = </Steel>",)}, "/Beam", "mps:bondedTo", "is no body"),

@@ -21,6 +21,7 @@ from warp_mps.scene import (
     Load,
     Material,
     Measurement,
+    Part,
     Probe,
     Scene,
     StageFrame,
@@ -36,6 +37,7 @@ from warp_mps.usd.save import save_stage
 
 STEEL = Material(7850.0, 2.1e11, 0.3)
 RUBBER = Material(1161.5444, 1.2345678901e6, 0.42)
+LEAD = Material(11340.0, 1.6e10, 0.44)
 
 
 def pad(values: tuple[float, ...], dimension: int) -> tuple[float, ...]:
@@ -65,7 +67,13 @@ def rich_scene(dimension: int, frame: StageFrame | None) -> Scene:
             name="turned", shape=Box(size, placement=turned), material=RUBBER, spacing=0.1, node_axes=(0,),
             velocity_field=twist if dimension == 3 else None,
         ),
-        Body(name="ring", shape=Cylinder(0.5, 1.0, inner_radius=0.21), material=STEEL, spacing=0.1),
+        Body(
+            name="ring", shape=Cylinder(0.5, 1.0, inner_radius=0.21), material=STEEL, spacing=0.1,
+            parts=(
+                Part(name="coat", region=Cylinder(0.5, 2.0, inner_radius=0.4), material=RUBBER),
+                Part(name="plain", region=Box((0.3, 0.3), (0.4, 0.0)), material=LEAD),
+            ),
+        ),
         Body(name="ball", shape=Sphere(0.4, (1, 2)), material=RUBBER, spacing=0.1, velocity_field=field),
         Body(name="mesh", shape=Mesh(points, triangles, placement=turned), material=STEEL, spacing=0.125),
         Body(name="cloud", shape=Points(cloud, cloud * (0.5, 1, 0)), material=STEEL, spacing=0.25),
@@ -179,8 +187,9 @@ def test_a_saved_stage_says_what_it_is(tmp_path: Path) -> None:
     # As it is written, known to USD or not: the plugin may have come after USD's first look for schemas.
     assert "MpsBodyAPI" in body.GetMetadata("apiSchemas").GetAppliedItems()
     assert body.GetAttribute("mps:spacing").GetTypeName() == "double"
-    # Two materials for six bodies.
-    assert len(stage.GetPrimAtPath("/World/Materials").GetChildren()) == 2
+    # Two materials for six bodies, a third for a part that has the name of a body.
+    materials = stage.GetPrimAtPath("/World/Materials").GetChildren()
+    assert [prim.GetName() for prim in materials] == ["plain", "turned", "plain_"]
 
 
 def test_a_saved_stage_passes_the_validators(tmp_path: Path) -> None:

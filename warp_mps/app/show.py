@@ -14,7 +14,7 @@ from warp_mps.catalogue import shipped_cases
 from warp_mps.clock import Clock
 from warp_mps.cost import available_memory, estimate, refuse_too_large
 from warp_mps.observers.sampling import make_sampler
-from warp_mps.particles import fill_scene, select_held
+from warp_mps.particles import Particles, fill_scene, select_held
 from warp_mps.results import RunSummary
 from warp_mps.scene import Load, Scene, Support
 
@@ -60,12 +60,26 @@ def show_check(scene: Scene) -> int:
     console().print(table)
     refuse_too_large(scene)
     particles = fill_scene(scene)
+    for line in part_lines(scene, particles):
+        console().print(line, highlight=False, soft_wrap=True)
     held: list[Support | Load] = [*scene.supports, *scene.loads]
     for item in held:
         select_held(particles, item)
     for probe in scene.probes:
         make_sampler(probe, scene, particles)
     return 0
+
+
+def part_lines(scene: Scene, particles: Particles) -> list[str]:
+    """A line for each material of the bodies that are made of several: its particles and their mass."""
+    lines, unit, number = [], "kg" if scene.dimension == 3 else "kg/m", 0
+    for body in scene.bodies:
+        for name in (body.name, *(f"{body.name}, part {part.name}" for part in body.parts)):
+            masses = particles.masses[particles.materials == number]
+            number += 1
+            if body.parts:
+                lines.append(f"{name}: {len(masses)} particles, {masses.sum():.6g} {unit}")
+    return lines
 
 
 def show_summary(summary: RunSummary, folder: Path) -> None:

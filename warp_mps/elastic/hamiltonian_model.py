@@ -50,9 +50,10 @@ class HamiltonianModel:
         self.weight = wp.empty(len(self.index), dtype=kit.real, device=device)
         self._inverse_shape = wp.zeros(n, dtype=kit.mat, device=device)
         density = self._set_up(scene, particles, reach)
-        lame, mu = np.array([law_constants(body.material, d, scene.plane) for body in scene.bodies])[particles.bodies].T
+        materials = scene.materials
+        lame, mu = np.array([law_constants(material, d, scene.plane) for material in materials])[particles.materials].T
         volume = particles.spacings**d
-        laws = np.array([LAWS.index(body.material.law) for body in scene.bodies])[particles.bodies]
+        laws = np.array([LAWS.index(material.law) for material in materials])[particles.materials]
         self._law = wp.array(laws, dtype=wp.int32, device=device)
         self._plane_stress = int(d == 2 and scene.plane == "stress")
         self._volume, self._lame, self._mu = real(volume), real(lame), real(mu)

@@ -42,7 +42,8 @@ class SpringModel:
         d, n, radius = particles.dimension, particles.count, scene.elasticity.effective_radius
         reach = radius * particles.spacings
         self.start, self.index = reference_neighbours(particles.positions, particles.groups, reach, device=device)
-        lame = np.array([lame_constants(body.material, d, scene.plane) for body in scene.bodies])[particles.bodies]
+        constants = [lame_constants(material, d, scene.plane) for material in scene.materials]
+        lame = np.array(constants)[particles.materials]
         self.volume = particles.spacings**d
         self._lame, self._plane_stress = lame, int(d == 2 and scene.plane == "stress")
 

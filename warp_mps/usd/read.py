@@ -10,7 +10,7 @@ from pxr import Usd, UsdShade
 
 from warp_mps.components import component_names
 from warp_mps.errors import InputError
-from warp_mps.scene import Body, Contact, Elasticity, Load, Material, Measurement, Probe, Scene, Support, Wall
+from warp_mps.scene import Body, Contact, Elasticity, Load, Material, Measurement, Part, Probe, Scene, Support, Wall
 from warp_mps.shapes import Shape, particle_count
 from warp_mps.usd import parts
 from warp_mps.usd.attributes import ROLE, stage_error
@@ -104,6 +104,7 @@ class _Reader:
             name=self._name(prim, "body"),
             shape=self._region(values),
             material=self._material(prim),
+            parts=tuple(self._part(part) for part in self.parts["part"] if self._part_of(part) == values.path),
             node_axes=values.axes("mps:nodeAxes", "xyz"),
             velocity_field=parts.velocity_field(values),
             bonded_to=self._named(values, "mps:bondedTo", "body"),
@@ -123,10 +124,26 @@ class _Reader:
             **values.fields("mps:spacing", "mps:slip"),
         )
 
+    def _part(self, prim: Usd.Prim) -> Part:
+        values = self._values(prim, "part")
+        return Part(
+            name=self._name(prim, "part"),
+            region=self._region(values),
+            material=self._material(prim),
+            path=values.path,
+        )
+
+    def _part_of(self, prim: Usd.Prim) -> str:
+        """Path of the body that a part belongs to."""
+        values = self._values(prim, "part")
+        if len(self._named(values, "mps:body", "body")) != 1:
+            raise InputError(values.path, "mps:body", "must lead to one body")
+        return values.targets("mps:body")[0]
+
     def _material(self, prim: Usd.Prim) -> Material:
         bound, _ = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial("physics")
         if not bound:
-            raise InputError(str(prim.GetPath()), "material:binding:physics", "is missing: bind a material to the body")
+            raise InputError(str(prim.GetPath()), "material:binding:physics", "is missing: bind a material")
         values = self._values(bound.GetPrim(), "material")
         own = self._own_density(prim)
         names = ("mps:youngsModulus", "mps:poissonsRatio", "mps:law", *(() if own else ("physics:density",)))

@@ -89,7 +89,8 @@ SCENE = _table(
     _row("mps:timeStep", "double", "time_step",
          "time step, above 0; from `mps:courant` if not given. Frames and rows then come every so many whole steps",
          **_SECONDS),
-    _row("mps:courant", "double", "courant", "time step in units of spacing / speed of pressure waves, above 0",
+    _row("mps:courant", "double", "courant",
+         "time step in units of spacing / speed of pressure waves, above 0; at most 0.9 of what is stable",
          default=_default(sc.Scene, "courant")),
     _row("mps:damping", "double", "damping",
          "force per mass and velocity, and torque per inertia and spin, that oppose motion, at least 0", unit="1/s",
@@ -185,6 +186,12 @@ WALL = _table(
     _row("mps:rotation:axis", "double3", "rotation.axis",
          "direction that it turns about, by the right hand; in 2-D the normal of the plane if not given",
          nature="axial"),
+)
+
+PART = _table(
+    "part",
+    _row("mps:body", "rel", "body", "the body that it is a part of", required=True),
+    _INNER,
 )
 
 _BODIES = _row("mps:bodies", "rel", "bodies", "bodies that it acts on, all if not given")

@@ -64,6 +64,7 @@ class _Writer:
                 *(("Supports", scene.supports), ("Probes", scene.probes)),
             )
         }
+        self.materials = _material_names(scene)
 
     def write(self) -> None:
         stage, frame = self.stage, self.scene.frame
@@ -75,6 +76,8 @@ class _Writer:
         self._scene()
         for body in self.scene.bodies:
             self._body(body)
+            for part in body.parts:
+                self._part(part, body)
         for wall in self.scene.walls:
             self._wall(wall)
         for support in self.scene.supports:
@@ -116,7 +119,7 @@ class _Writer:
 
     def _body(self, body: sc.Body) -> None:
         prim = self._region("Bodies", body.name, body, body.shape)
-        UsdShade.MaterialBindingAPI.Apply(prim).Bind(self._material(body), materialPurpose="physics")
+        UsdShade.MaterialBindingAPI.Apply(prim).Bind(self._material(body.material), materialPurpose="physics")
         axes = lattice_axes(body.shape, body.node_axes, self.frame)
         values: dict[str, Any] = {"mps:spacing": body.spacing, "mps:nodeAxes": axes or None}
         values |= {"mps:velocity": body.velocity, "mps:angularVelocity": body.angular_velocity}
@@ -145,11 +148,15 @@ class _Writer:
             width = item.spacing / self.frame.stage.meters_per_unit
             UsdGeom.Points(prim).CreateWidthsAttr([width] * count)
 
-    def _material(self, body: sc.Body) -> UsdShade.Material:
-        """The body's material: one prim for all bodies whose materials are equal."""
-        material = body.material
-        first = next(other.name for other in self.scene.bodies if other.material == material)
-        path = f"{ROOT}/Materials/{first}"
+    def _part(self, part: sc.Part, body: sc.Body) -> None:
+        prim = self._region("Parts", part.name, part, part.region)
+        UsdShade.MaterialBindingAPI.Apply(prim).Bind(self._material(part.material), materialPurpose="physics")
+        self._author(prim, "part", {})
+        self._relate(prim, "mps:body", "Bodies", (body.name,))
+
+    def _material(self, material: sc.Material) -> UsdShade.Material:
+        """The prim of a material, one for all that are equal, named after what is made of it."""
+        path = f"{ROOT}/Materials/{self.materials[material]}"
         if self.stage.GetPrimAtPath(path):
             return UsdShade.Material(self.stage.GetPrimAtPath(path))
         self._scope("Materials")
@@ -243,6 +250,19 @@ class _Writer:
 def _moving(kind: str, motion: Any) -> dict[str, Any]:
     """Attributes of a motion or a rotation; what it has, by the names of its fields."""
     return {f"mps:{kind}:{item.name}": getattr(motion, item.name) for item in fields(motion)} if motion else {}
+
+
+def _material_names(scene: sc.Scene) -> dict[sc.Material, str]:
+    """A name for each different material."""
+    items: list[sc.Body | sc.Part] = [*scene.bodies, *(part for body in scene.bodies for part in body.parts)]
+    names: dict[sc.Material, str] = {}
+    for item in items:
+        if item.material not in names:
+            name = item.name
+            while name in names.values():
+                name += "_"
+            names[item.material] = name
+    return names
 
 
 def _usd_value(value: Any, row: Any, frame: Frame) -> Any:

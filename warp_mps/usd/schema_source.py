@@ -15,6 +15,7 @@ PLUGIN = "warpMps"
 MEANINGS = {
     "scene": "How a case is run, on its PhysicsScene prim.",
     "body": "An elastic body, filled with particles.",
+    "part": "A region of a body that is made of a material of its own.",
     "wall": "A rigid body that others touch, at rest or on a prescribed motion.",
     "material": "A linear elastic material.",
     "support": "A region whose particles are held or moved.",
