@@ -52,6 +52,7 @@ def estimate(scene: Scene) -> Cost:
     clock = Clock(scene)
     particles = count_particles(scene)
     total = sum(particles.values())
+    elastic = sum(particles[body.name] for body in scene.bodies)
     neighbours = lattice_neighbours(scene.dimension, scene.elasticity.effective_radius)
     return Cost(
         particles=particles,
@@ -60,7 +61,7 @@ def estimate(scene: Scene) -> Cost:
         steps=clock.steps,
         frames=clock.steps // clock.frame_every + 1,
         memory=memory_of(scene, total),
-        seconds=total * clock.steps * neighbours * SECONDS_PER_PAIR[scene.elasticity.model][scene.dimension],
+        seconds=elastic * clock.steps * neighbours * SECONDS_PER_PAIR[scene.elasticity.model][scene.dimension],
     )
 
 

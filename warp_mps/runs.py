@@ -166,7 +166,7 @@ class _Run:
     def _finish(self, status: str, reason: str, begin: float, first: int) -> None:
         simulation, history = self._simulation, self._probes.history
         wall = time.perf_counter() - begin
-        done = (simulation.step - first) * simulation.particles.count
+        done = (simulation.step - first) * simulation.particles.elastic
         self._summary = replace(
             self._summary,
             status=status,

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from scipy.interpolate import CubicSpline
 
 from tests.scenes import beam, block, ends, scene_of
 from warp_mps.errors import InputError
@@ -17,6 +20,7 @@ SWING = HarmonicMotion(amplitude=(0.0, 0.002), frequency=10.0, phase=0.3)
 TABLE = TableMotion(
     times=np.array([0.01, 0.03, 0.05]), displacements=np.array([[0.0, 0.0], [0.002, 0.01], [0.002, -0.005]])
 )
+SPLINE = replace(TABLE, interpolation="cubic")
 
 
 def shaken(motion: HarmonicMotion | TableMotion, **fields: object) -> Scene:
@@ -40,8 +44,17 @@ def table(t: float) -> tuple[np.ndarray, np.ndarray]:
     return np.array([np.interp(t, times, row) for row in rows.T]), velocity
 
 
+def spline(t: float) -> tuple[np.ndarray, np.ndarray]:
+    """Displacement and velocity of `SPLINE`."""
+    curve = CubicSpline(TABLE.times, TABLE.displacements, bc_type="clamped")
+    inside = TABLE.times[0] <= t < TABLE.times[-1]
+    return curve(np.clip(t, TABLE.times[0], TABLE.times[-1])), curve(t, 1) if inside else np.zeros(2)
+
+
 @pytest.mark.parametrize("precision", ["float64", "float32"])
-@pytest.mark.parametrize(("motion", "formula"), [(SWING, harmonic), (TABLE, table)], ids=["harmonic", "table"])
+@pytest.mark.parametrize(
+    ("motion", "formula"), [(SWING, harmonic), (TABLE, table), (SPLINE, spline)], ids=["harmonic", "table", "spline"]
+)
 def test_a_moving_support_follows_its_motion_at_every_step(motion, formula, precision: str) -> None:
     """61 microseconds divide none of the table's times, so that no step falls on a kink."""
     simulation = Simulation(shaken(motion, time_step=6.1e-5), precision=precision)
@@ -56,7 +69,7 @@ def test_a_moving_support_follows_its_motion_at_every_step(motion, formula, prec
         simulation.advance(1 if simulation.step < 40 else 13)
 
 
-@pytest.mark.parametrize("motion", [SWING, TABLE], ids=["harmonic", "table"])
+@pytest.mark.parametrize("motion", [SWING, TABLE, SPLINE], ids=["harmonic", "table", "spline"])
 def test_work_of_a_moving_support_balances_the_energy(motion: HarmonicMotion | TableMotion) -> None:
     """The error is of second order in the step, also where a table makes the velocity jump."""
 
