@@ -18,7 +18,7 @@ from warp_mps.errors import InputError
 from warp_mps.spline import table_values
 
 if TYPE_CHECKING:
-    from warp_mps.scene import Body, Load, Material, Measurement, Part, Probe, Scene, Support, Wall
+    from warp_mps.scene import Body, Fluid, Load, Material, Measurement, Part, Probe, Scene, Support, Wall
 
 
 def check_scene(scene: Scene) -> None:
@@ -29,7 +29,14 @@ def check_scene(scene: Scene) -> None:
     """
     _scene_numbers(scene)
     _frame(scene)
-    _require(len(scene.bodies) > 0, scene.path, "bodies", "there is no body to simulate")
+    _require(bool(scene.bodies or scene.fluids), scene.path, "bodies", "there is no body and no fluid to simulate")
+    together = bool(scene.bodies and scene.fluids)
+    _require(
+        not together,
+        scene.path,
+        "fluids",
+        "cannot be in one scene with elastic bodies: they do not act on each other yet",
+    )
     _unique(scene)
     for body in scene.bodies:
         _body(scene, body)
@@ -45,7 +52,7 @@ def check_scene(scene: Scene) -> None:
         _measurement(scene, measurement)
 
 
-def place(item: Body | Part | Wall | Support | Load | Probe | Measurement, kind: str) -> str:
+def place(item: Body | Part | Wall | Fluid | Support | Load | Probe | Measurement, kind: str) -> str:
     """How an error names an item: its path, or its kind and name where it has none."""
     return item.path or f"{kind} '{item.name}'"
 
@@ -92,6 +99,7 @@ def _unique(scene: Scene) -> None:
         "body": scene.bodies,
         "part": [part for body in scene.bodies for part in body.parts],
         "wall": scene.walls,
+        "fluid": scene.fluids,
         "support": scene.supports,
         "load": scene.loads,
         "probe": scene.probes,
@@ -102,9 +110,11 @@ def _unique(scene: Scene) -> None:
             _require(item.name not in seen, place(item, kind), "name", f"{item.name!r} is used twice")
             _require(bool(item.name), place(item, kind), "name", "is empty")
             seen.add(item.name)
-    bodies = {body.name for body in scene.bodies}
-    for wall in scene.walls:
-        _require(wall.name not in bodies, place(wall, "wall"), "name", f"{wall.name!r} is also that of a body")
+    kinds: dict[str, str] = {}
+    for kind in ("body", "wall", "fluid"):
+        for item in groups[kind]:
+            other = kinds.setdefault(item.name, kind)
+            _require(other == kind, place(item, kind), "name", f"{item.name!r} is also that of a {other}")
 
 
 def _body(scene: Scene, body: Body) -> None:

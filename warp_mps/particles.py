@@ -10,7 +10,7 @@ import numpy as np
 from warp_mps.checks import place
 from warp_mps.errors import InputError
 from warp_mps.fields import velocity
-from warp_mps.scene import Body, Load, Scene, Support, Wall
+from warp_mps.scene import Body, Fluid, Load, Scene, Support, Wall
 from warp_mps.shapes import Points, Shape, contains, fill, particle_count
 
 # a face of a region holds the particles that lie on it, whatever the rounding
@@ -27,12 +27,13 @@ NOMINAL_DENSITY = 1000.0
 class Particles:
     """The particles of a scene in their reference configuration, body after body, each sorted by cell.
 
-    The elastic bodies come first, then the walls; both count as bodies here.
+    The elastic bodies come first, then the walls, then the fluids; all count as bodies here.
 
     Attributes:
         names: Names of the bodies, in order.
         ranges: First and one past the last particle of each body, shape [bodies, 2].
-        elastic: Number of elastic particles; the rest are those of walls.
+        elastic: Number of elastic particles, the first ones.
+        liquid: Number of fluid particles, the last ones; those in between are of walls.
         positions: Reference positions X [m], shape [n, dimension].
         velocities: Initial velocities [m/s], shape [n, dimension].
         angular_velocities: Initial angular velocities [rad/s], shape [n, 1] in 2-D and [n, 3] in 3-D.
@@ -47,6 +48,7 @@ class Particles:
     names: tuple[str, ...]
     ranges: np.ndarray
     elastic: int
+    liquid: int
     positions: np.ndarray
     velocities: np.ndarray
     angular_velocities: np.ndarray
@@ -74,8 +76,10 @@ class Particles:
 
     @property
     def walls(self) -> np.ndarray:
-        """Index in `Scene.walls` of the wall of each particle, -1 for elastic ones, shape [n]."""
-        return np.maximum(self.bodies - self.elastic_bodies, -1)
+        """Index in `Scene.walls` of the wall of each particle, -1 for others, shape [n]."""
+        walls = np.maximum(self.bodies - self.elastic_bodies, -1)
+        walls[self.count - self.liquid :] = -1
+        return walls
 
     def elastic_part(self) -> Particles:
         """The elastic particles alone."""
@@ -83,28 +87,29 @@ class Particles:
             return self
         bodies = self.elastic_bodies
         rows = {item.name: getattr(self, item.name)[: self.elastic] for item in fields(self) if item.name not in _WHOLE}
-        return Particles(names=self.names[:bodies], ranges=self.ranges[:bodies], elastic=self.elastic, **rows)
+        return Particles(names=self.names[:bodies], ranges=self.ranges[:bodies], elastic=self.elastic, liquid=0, **rows)
 
 
 # what has no row a particle
-_WHOLE = ("names", "ranges", "elastic")
+_WHOLE = ("names", "ranges", "elastic", "liquid")
 
 
 def count_particles(scene: Scene) -> dict[str, int]:
-    """Number of particles of each body and wall, at most, found without filling anything."""
+    """Number of particles of each body, wall and fluid, at most, found without filling anything."""
     return {
         item.name: particle_count(item.shape, item.spacing, scene.dimension, item.node_axes) for item in scene.filled
     }
 
 
 def fill_scene(scene: Scene) -> Particles:
-    """Fill the bodies and the walls of a scene with particles.
+    """Fill the bodies, the walls and the fluids of a scene with particles.
 
     Raises:
         InputError: A body or a wall is thinner than one particle, a body overlaps another or a wall, or a part holds
             no particle.
     """
-    parts = [*(_fill_body(scene, body) for body in scene.bodies), *_fill_walls(scene)]
+    bodies = [_fill_body(scene, body) for body in scene.bodies]
+    parts = [*bodies, *_fill_walls(scene), *(_fill_body(scene, fluid) for fluid in scene.fluids)]
     counts = np.array([len(positions) for positions, _, _ in parts])
     ends = np.cumsum(counts)
     of_body = np.repeat(np.arange(len(parts)), counts)
@@ -113,10 +118,13 @@ def fill_scene(scene: Scene) -> Particles:
     materials = _materials(scene, positions, of_body)
     # the last is that of the walls
     densities = np.array([*(material.density for material in scene.materials), NOMINAL_DENSITY])[materials]
+    for fluid, (first, last) in zip(scene.fluids[::-1], np.column_stack((ends - counts, ends))[::-1], strict=False):
+        densities[first:last] = fluid.liquid.density
     particles = Particles(
         names=tuple(item.name for item in scene.filled),
         ranges=np.column_stack((ends - counts, ends)),
         elastic=int(counts[: len(scene.bodies)].sum()),
+        liquid=int(counts[len(counts) - len(scene.fluids) :].sum()),
         positions=positions,
         velocities=np.concatenate([velocities for _, velocities, _ in parts]),
         angular_velocities=np.concatenate([spins for _, _, spins in parts]),
@@ -162,9 +170,9 @@ def select_held(particles: Particles, item: Support | Load) -> np.ndarray:
     return found
 
 
-def _fill_body(scene: Scene, body: Body) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Positions, velocities and angular velocities of a body's particles."""
-    where = place(body, "body")
+def _fill_body(scene: Scene, body: Body | Fluid) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Positions, velocities and angular velocities of the particles of a body or a fluid."""
+    where = place(body, kind_of(body))
     positions = fill(body.shape, body.spacing, scene.dimension, node_axes=body.node_axes, where=where)
     velocities = np.zeros_like(positions)
     if isinstance(body.shape, Points) and body.shape.velocities is not None:
@@ -198,14 +206,14 @@ def _fill_walls(scene: Scene) -> list[tuple[np.ndarray, np.ndarray, np.ndarray]]
 
 
 def _materials(scene: Scene, positions: np.ndarray, of_body: np.ndarray) -> np.ndarray:
-    """Index of the material of each particle: its body's, or that of the last part that it lies in; -1 for walls.
+    """Index of the material of each particle: its body's, or that of the last part that it lies in; else -1.
 
     Raises:
         InputError: A part is left without a particle.
     """
     counts = [len(body.materials) for body in scene.bodies]
     firsts = np.cumsum([0, *counts[:-1]])
-    materials = np.append(firsts, np.full(len(scene.walls), -1))[of_body]
+    materials = np.append(firsts, np.full(len(scene.walls) + len(scene.fluids), -1))[of_body]
     for own, body in enumerate(scene.bodies):
         numbered = list(enumerate(body.parts, start=int(firsts[own]) + 1))
         for number, part in numbered:
@@ -232,7 +240,7 @@ def _cell_order(positions: np.ndarray, cell: float) -> np.ndarray:
 
 
 def _groups(scene: Scene) -> np.ndarray:
-    """Index of the group of each body and wall: bodies that are bonded share one, and so do all walls."""
+    """Index of the group of each body: those that are bonded share one, so do all walls, and all fluids."""
     names = [body.name for body in scene.bodies]
     groups = np.arange(len(names))
     for i, body in enumerate(scene.bodies):
@@ -243,7 +251,8 @@ def _groups(scene: Scene) -> np.ndarray:
                     place(body, "body"), "spacing", f"differs from that of {name!r}, which it is bonded to"
                 )
             groups[groups == groups[j]] = groups[i]
-    return np.concatenate((groups, np.full(len(scene.walls), len(names))))
+    n = len(names)
+    return np.concatenate((groups, np.full(len(scene.walls), n), np.full(len(scene.fluids), n + 1)))
 
 
 def _refuse_loose_bonds(scene: Scene, particles: Particles) -> None:
@@ -261,9 +270,9 @@ def _refuse_loose_bonds(scene: Scene, particles: Particles) -> None:
 def _refuse_overlap(scene: Scene, particles: Particles) -> None:
     """Refuse a particle inside another body, or on top of another body's particle; walls may share space."""
     for a, b in itertools.permutations(range(len(scene.filled)), 2):
-        if min(a, b) >= len(scene.bodies):
-            continue
         one, other = scene.filled[a], scene.filled[b]
+        if isinstance(one, Wall) and isinstance(other, Wall):
+            continue
         positions = particles.positions[slice(*particles.ranges[a])]
         others = particles.positions[slice(*particles.ranges[b])]
         mean_spacing = 0.5 * (one.spacing + other.spacing)
@@ -277,6 +286,6 @@ def _refuse_overlap(scene: Scene, particles: Particles) -> None:
             raise InputError(place(one, kind_of(one)), "shape", reason)
 
 
-def kind_of(item: Body | Wall) -> str:
+def kind_of(item: Body | Wall | Fluid) -> str:
     """What errors call it."""
-    return "wall" if isinstance(item, Wall) else "body"
+    return "wall" if isinstance(item, Wall) else "fluid" if isinstance(item, Fluid) else "body"

@@ -23,7 +23,10 @@ PLANE_MODELS = ("strain", "stress")
 CONTACTS = ("none", "bodies", "all")
 INTERPOLATIONS = ("linear", "cubic")
 WALL_SLIPS = ("free", "no")
-VELOCITY_FIELDS = ("sine", "free_free_beam", "clamped_free_beam", "twist")
+FLUID_VELOCITY_FIELDS = ("stagnation", "taylor_green", "standing_wave")
+VELOCITY_FIELDS = ("sine", "free_free_beam", "clamped_free_beam", "twist", *FLUID_VELOCITY_FIELDS)
+FLUID_SCHEMES = ("conservative", "corrected", "koshizuka_oka")
+NEGATIVE_PRESSURES = ("clipped", "allowed")
 OUTPUTS = ("stress", "strain", "von_mises", "strain_energy")
 _FIELDS = ("position", "displacement", "velocity", "rotation", *OUTPUTS)
 PROBE_QUANTITIES = {
@@ -333,6 +336,48 @@ class Wall:
         return self.motion is not None or self.rotation is not None
 
 
+@dataclass(frozen=True)
+class Liquid:
+    """An incompressible, Newtonian liquid.
+
+    Attributes:
+        density: Mass density rho [kg/m^3].
+        viscosity: Kinematic viscosity [m^2/s], at least 0.
+        path: Where it was described, for error messages.
+    """
+
+    density: float = 1000.0
+    viscosity: float = 1e-6
+    path: str = field(default="liquid", kw_only=True)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Fluid:
+    """A body of liquid, filled with particles on a regular lattice.
+
+    Attributes:
+        name: Name, unique in the scene and a valid USD prim name.
+        shape: Region that it fills at the start.
+        liquid: What it is; the same for all fluids of a scene.
+        spacing: Particle spacing l0 [m]; the same for all fluids of a scene.
+        velocity: Initial velocity [m/s].
+        angular_velocity: Initial angular velocity about the centre of mass [rad/s]: a number in 2-D, 3 numbers in 3-D.
+        velocity_field: Initial velocity that varies, added to `velocity`.
+        node_axes: As those of a body.
+        path: Where it was described, for error messages.
+    """
+
+    name: str
+    shape: Shape
+    spacing: float
+    liquid: Liquid = Liquid()
+    velocity: Vector | None = None
+    angular_velocity: float | Vector | None = None
+    velocity_field: VelocityField | None = None
+    node_axes: tuple[int, ...] = ()
+    path: str = ""
+
+
 @dataclass(frozen=True, kw_only=True)
 class Probe:
     """A quantity recorded through the run: at a point, averaged over a region, of a body or wall, or of a support.
@@ -434,6 +479,31 @@ class Contact:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Flow:
+    """How fluids are computed, the same for all of a scene.
+
+    Attributes:
+        scheme: One of `FLUID_SCHEMES`: ``conservative`` (pair forces equal and opposite), ``corrected`` (gradients
+            exact for linear pressures, with shifting), or the original MPS, ``koshizuka_oka``.
+        effective_radius: Effective radius r_e in units of the particle spacing [-]; None is 3.1 in 2-D, 2.1 in 3-D.
+        negative_pressure: ``clipped`` where water would have to pull, or ``allowed``.
+        tolerance: True residual of the pressure solve, relative to its right-hand side [-].
+        courant: Largest time step in units of l0 / u, u the speed of the fastest particle [-].
+        domain: Lowest and highest corner of the region that is computed [m]; particles that leave it are counted and
+            left out. None is a wide box about all particles.
+        periodic: Axes along which the domain repeats itself (0 is x).
+    """
+
+    scheme: str = "conservative"
+    effective_radius: float | None = None
+    negative_pressure: str = "clipped"
+    tolerance: float = 1e-4
+    courant: float = 0.2
+    domain: tuple[Vector, Vector] | None = None
+    periodic: tuple[int, ...] = ()
+
+
+@dataclass(frozen=True, kw_only=True)
 class StageFrame:
     """How the scene lies in the stage that it was read from, and in which results are written.
 
@@ -457,11 +527,12 @@ class Scene:
     Attributes:
         name: Name of the case.
         description: What it is, in a line or more.
-        bodies: Elastic bodies.
+        bodies: Elastic bodies; none in a scene of fluids.
         duration: Simulated time [s].
         dimension: 2 or 3.
         plane: ``strain`` or ``stress``, in 2-D.
         gravity: Acceleration of gravity [m/s^2], shape [dimension].
+        fluids: Bodies of liquid.
         walls: Rigid bodies, at rest or moved.
         supports: Held regions.
         loads: Forces.
@@ -469,6 +540,7 @@ class Scene:
         measurements: Numbers drawn from the probes, with their references.
         elasticity: The elastic model.
         contact: Contact between bodies.
+        flow: How fluids are computed.
         damping: Mass-proportional damping: force -damping * m * v, and likewise a torque where particles rotate [1/s].
         outputs: What frames hold beside positions, velocities and pressure, names of `OUTPUTS`.
         frame_rate: Saved frames per simulated second [1/s].
@@ -484,13 +556,14 @@ class Scene:
         InputError: Something in it is not allowed; see `warp_mps.checks`.
     """
 
-    bodies: tuple[Body, ...]
+    bodies: tuple[Body, ...] = ()
     duration: float
     name: str = "case"
     description: str = ""
     dimension: int = 2
     plane: str = "strain"
     gravity: Vector = ()
+    fluids: tuple[Fluid, ...] = ()
     walls: tuple[Wall, ...] = ()
     supports: tuple[Support, ...] = ()
     loads: tuple[Load, ...] = ()
@@ -498,6 +571,7 @@ class Scene:
     measurements: tuple[Measurement, ...] = ()
     elasticity: Elasticity = Elasticity()
     contact: Contact = Contact()
+    flow: Flow = Flow()
     damping: float = 0.0
     outputs: tuple[str, ...] = ()
     frame_rate: float = 100.0
@@ -523,6 +597,6 @@ class Scene:
         return self.stage or StageFrame(axes="xyz"[: self.dimension])
 
     @property
-    def filled(self) -> tuple[Body | Wall, ...]:
-        """What is filled with particles: bodies, then walls."""
-        return (*self.bodies, *self.walls)
+    def filled(self) -> tuple[Body | Wall | Fluid, ...]:
+        """What is filled with particles: bodies, then walls, then fluids."""
+        return (*self.bodies, *self.walls, *self.fluids)

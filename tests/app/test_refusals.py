@@ -60,7 +60,9 @@ def test_a_stage_without_a_scene_or_without_anything(tmp_path: Path, capsys: pyt
 
 def test_files_that_are_no_stages(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert "there is no such file" in refusal(capsys, "run", str(tmp_path / "none.usda"))
-    assert "is neither a file nor a shipped case; shipped: bar_struck_by_wall, beam_first_mode" in refusal(capsys, "check", "none")
+    assert "is neither a file nor a shipped case; shipped: bar_struck_by_wall, beam_first_mode" in refusal(
+        capsys, "check", "none"
+    )
     text = tmp_path / "text.usda"
     text.write_text("not a stage")
     assert "is not a USD stage" in refusal(capsys, "run", str(text))

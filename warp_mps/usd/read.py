@@ -10,7 +10,20 @@ from pxr import Usd, UsdShade
 
 from warp_mps.components import component_names
 from warp_mps.errors import InputError
-from warp_mps.scene import Body, Contact, Elasticity, Load, Material, Measurement, Part, Probe, Scene, Support, Wall
+from warp_mps.scene import (
+    Body,
+    Contact,
+    Elasticity,
+    Fluid,
+    Load,
+    Material,
+    Measurement,
+    Part,
+    Probe,
+    Scene,
+    Support,
+    Wall,
+)
 from warp_mps.shapes import Shape, particle_count
 from warp_mps.usd import parts
 from warp_mps.usd.attributes import ROLE, stage_error
@@ -44,7 +57,7 @@ def read_stage(path: str | Path, *, overrides: Mapping[str, str] | None = None) 
     return scene
 
 
-def _check_lattice(body: Body | Wall, dimension: int) -> None:
+def _check_lattice(body: Body | Wall | Fluid, dimension: int) -> None:
     """Refuse what cannot be filled with particles, while the stage's words for it are known."""
     try:
         particle_count(body.shape, body.spacing, dimension, body.node_axes)
