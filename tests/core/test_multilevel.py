@@ -1,0 +1,231 @@
+"""The multilevel preconditioner: few iterations whatever the size, and an inverse that conjugate gradients may use."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import scipy.sparse
+import scipy.sparse.linalg
+import warp as wp
+
+from tests.core.systems import System, laplacian, on_device
+from warp_mps.core.device import open_device
+from warp_mps.core.kit import kit
+from warp_mps.core.multilevel import SCALE, Multilevel, declare_kernels
+from warp_mps.core.multilevel_kernels import multilevel_kernels
+from warp_mps.core.solver import ConjugateGradient, Statistics
+
+
+@pytest.fixture(autouse=True)
+def device() -> Any:
+    return open_device("cpu")
+
+
+def vector(values: np.ndarray) -> wp.array:
+    return wp.array(values, dtype=wp.float64, device="cpu")
+
+
+def make_multilevel(system: System, *, reach: float = 2.1, margin: float = 0.0, spare: int = 0) -> Multilevel:
+    """On a domain that is larger than the particles' box by a margin on all sides."""
+    d = system.positions.shape[1]
+    numbers = kit(d)
+    positions = np.vstack((system.positions, np.full((spare, d), np.nan)))
+    low, high = np.floor(system.positions.min(axis=0)) - margin, np.ceil(system.positions.max(axis=0)) + margin
+    points = wp.array(positions, dtype=numbers.vec, device="cpu")
+    return Multilevel(points, low=low, high=high, reach=reach, kit=numbers, device="cpu")
+
+
+def solve(
+    system: System, preconditioner: Multilevel | None, *, spare: int = 0, singular: bool | None = None, **options: Any
+) -> tuple[np.ndarray, Statistics]:
+    """Solution and statistics of one solve, from zero."""
+    n, numbers = system.n + spare, kit(system.positions.shape[1])
+    solver = ConjugateGradient(n, kit=numbers, device="cpu", preconditioner=preconditioner, **options)
+    x = vector(np.zeros(n))
+    b = vector(np.append(system.b, np.full(spare, np.nan)))
+    solver.solve(on_device(system, spare=spare, singular=singular), b, x)
+    return x.numpy()[: system.n], solver.read_statistics()
+
+
+def as_matrix(multilevel: Multilevel, system: System) -> np.ndarray:
+    """The preconditioner's part P V P^T, between all rows."""
+    matrix = on_device(system)
+    inverse = vector(np.where(system.active != 0, 1.0 / system.diagonal, 0.0))
+    multilevel.prepare(matrix, inverse)
+    columns = []
+    for unit in np.eye(system.n):
+        z = vector(np.zeros(system.n))
+        multilevel.apply(vector(unit), z)
+        columns.append(z.numpy())
+    return np.array(columns).T
+
+
+CASES = {
+    "tank": ((120, 15), 2.1, 0.0),
+    "column": ((50, 60), 3.1, 0.0),
+    "box": ((14, 13, 12), 2.1, 0.0),
+    "box, wide reach": ((14, 10, 12), 3.1, 0.0),
+    "scattered surface": ((60, 60), 3.1, 0.02),
+}
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_few_iterations_to_the_solution(name: str) -> None:
+    shape, reach, scatter = CASES[name]
+    system = laplacian(shape, reach=reach, scatter=scatter)
+    x, statistics = solve(system, make_multilevel(system, reach=reach), tolerance=1e-8)
+    exact = scipy.sparse.linalg.spsolve(system.inner, system.b[system.unknowns])
+    np.testing.assert_allclose(x[system.unknowns], exact, rtol=0, atol=1e-6 * np.abs(exact).max())
+    _, jacobi = solve(system, None, tolerance=1e-8)
+    assert statistics.iterations <= min(30, 0.5 * jacobi.iterations)
+    assert statistics.last_residual <= 1e-8
+
+
+def test_iterations_do_not_grow_with_the_unknowns() -> None:
+    small, large = laplacian((25, 25)), laplacian((150, 150))
+    _, few = solve(small, make_multilevel(small))
+    _, many = solve(large, make_multilevel(large))
+    assert many.iterations <= few.iterations + 3
+
+
+@pytest.mark.parametrize("shape", [(13, 11), (6, 5, 5)])
+@pytest.mark.parametrize(("sign", "surface"), [(1.0, True), (-1.0, True), (1.0, False)])
+def test_it_is_symmetric_and_positive_whatever_the_matrix(shape: tuple[int, ...], sign: float, surface: bool) -> None:
+    system = laplacian(shape, scatter=0.1 * surface, surface=surface)
+    weights = system.weights * sign
+    matrix = as_matrix(
+        make_multilevel(system), System(system.positions, weights, system.diagonal, system.active, system.b)
+    )
+    np.testing.assert_allclose(matrix, matrix.T, atol=1e-13 * np.abs(matrix).max())
+    eigenvalues = np.linalg.eigvalsh(0.5 * (matrix + matrix.T))
+    assert eigenvalues.min() > -1e-12 * eigenvalues.max()
+    # as many directions as there are cells are corrected
+    assert np.sum(eigenvalues > 1e-6 * eigenvalues.max()) >= 0.1 * system.n
+    np.testing.assert_array_equal(matrix[system.active == 0], 0.0)
+
+
+@pytest.mark.parametrize("surface", [True, False])
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_matrix_of_the_cells_is_the_sum_of_the_entries_between_them(dimension: int, surface: bool) -> None:
+    system = laplacian((11, 9, 8)[:dimension], scatter=0.1 * surface, surface=surface)
+    multilevel = make_multilevel(system)
+    as_matrix(multilevel, system)
+    level = multilevel._levels[0]
+    dims = np.array([level.dims[axis] for axis in range(dimension)])
+    cells = np.minimum(np.floor((system.positions - np.floor(system.positions.min(axis=0))) / 2.1), dims - 1)
+    cell = np.maximum(cells, 0).astype(int) @ np.concatenate(([1], np.cumprod(dims)[:-1]))
+    gather = scipy.sparse.csr_matrix((system.active, (np.arange(system.n), cell)), shape=(system.n, level.size))
+    couplings = (gather.T @ system.weights @ gather).toarray() * SCALE
+    np.fill_diagonal(couplings, 0.0)
+    excess = gather.T @ (system.matrix @ system.active) * 2 * SCALE
+    found = level.coupling.numpy().reshape(level.size, -1)
+    there = np.arange(level.size)[:, None] + level.steps.numpy()
+    expected = np.where((there >= 0) & (there < level.size), np.take_along_axis(couplings, there % level.size, 1), 0.0)
+    np.testing.assert_allclose(found, expected, atol=1e-12)
+    np.testing.assert_allclose(found.sum(axis=1), couplings.sum(axis=1), atol=1e-12)
+    np.testing.assert_allclose(level.excess.numpy(), excess, atol=1e-12)
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_interpolation_is_linear_and_collecting_is_its_transpose(dimension: int) -> None:
+    system = laplacian((14, 13, 12)[:dimension])
+    multilevel = make_multilevel(system)
+    as_matrix(multilevel, laplacian((14, 13, 12)[:dimension]))
+    level, kernels = multilevel._levels[0], multilevel_kernels(kit(dimension))
+    dims = np.array([level.dims[axis] for axis in range(dimension)])
+    axes = np.meshgrid(*[2.1 * (np.arange(length) + 0.5) for length in dims], indexing="ij")
+    slope = np.array([2.0, -1.0, 0.5])[:dimension]
+    field = sum(s * x for s, x in zip(slope, axes, strict=True)).ravel(order="F")
+    z = vector(np.zeros(system.n))
+    wp.launch(kernels.spread, multilevel._sums, [level.dims, vector(field)], [multilevel._corner_sums], device="cpu")
+    inputs = [multilevel._inverse, multilevel._between, multilevel._weight, multilevel._corner_sums]
+    wp.launch(kernels.interpolate_particles, system.n, inputs, [z], device="cpu")
+    inner = np.all((system.positions > 1.06) & (system.positions < 2.1 * dims - 1.06), axis=1) & (system.active != 0)
+    np.testing.assert_allclose(z.numpy()[inner], (system.positions @ slope)[inner], rtol=1e-12)
+
+    r = np.random.default_rng(2).normal(size=system.n) * system.active
+    inputs = [level.dims, multilevel._start, multilevel._order, multilevel._weight, vector(r)]
+    wp.launch(kernels.collect_particles, multilevel._sums, inputs, [multilevel._corner_sums], device="cpu")
+    inputs = [level.dims, level.diagonal, multilevel._corner_sums]
+    wp.launch(kernels.collect_corners, level.size, inputs, [level.r, level.e], device="cpu")
+    assert level.r.numpy() @ field == pytest.approx(r @ z.numpy(), rel=1e-10)
+
+
+def test_singular_system() -> None:
+    system = laplacian((40, 35), surface=False)
+    shifted = System(system.positions, system.weights, system.diagonal, system.active, system.b + 0.3)
+    x, statistics = solve(shifted, make_multilevel(system), singular=True, tolerance=1e-8)
+    assert statistics.iterations <= 30
+    assert system.residual(x) <= 1.01e-8
+
+
+@pytest.mark.parametrize("margin", [-6.0, 0.7, 200.0])
+def test_a_domain_that_does_not_fit_costs_iterations_only(margin: float) -> None:
+    """Particles outside are kept at the edge; a nearly empty domain gets wider cells."""
+    system = laplacian((40, 30))
+    multilevel = make_multilevel(system, margin=margin)
+    assert multilevel._levels[0].size <= system.n
+    x, statistics = solve(system, multilevel, tolerance=1e-8)
+    assert system.residual(x) <= 1.01e-8
+    _, jacobi = solve(system, None, tolerance=1e-8)
+    assert statistics.iterations < jacobi.iterations
+
+
+def test_order_of_the_particles_does_not_matter() -> None:
+    system = laplacian((40, 30))
+    _, before = solve(system, make_multilevel(system))
+    order = np.random.default_rng(0).permutation(system.n)
+    weights = system.weights[order][:, order].tocsr()
+    weights.sort_indices()
+    shuffled = System(system.positions[order], weights, system.diagonal[order], system.active[order], system.b[order])
+    _, after = solve(shuffled, make_multilevel(shuffled))
+    assert abs(after.iterations - before.iterations) <= 1
+
+
+def test_rows_beyond_the_count_do_not_matter() -> None:
+    """Their positions are no numbers."""
+    system = laplacian((30, 20))
+    expected, _ = solve(system, make_multilevel(system))
+    x, _ = solve(system, make_multilevel(system, spare=50), spare=50)
+    np.testing.assert_allclose(x, expected, rtol=0, atol=1e-12 * np.abs(expected).max())
+
+
+def test_graph_and_eager_give_the_same_bits() -> None:
+    system = laplacian((40, 30))
+    expected, _ = solve(system, make_multilevel(system))
+    solver = ConjugateGradient(system.n, kit=kit(2), device="cpu", preconditioner=make_multilevel(system))
+    matrix, b, x = on_device(system), vector(system.b), vector(np.zeros(system.n))
+    with wp.ScopedCapture(device="cpu") as capture:
+        x.zero_()
+        solver.solve(matrix, b, x)
+    for _ in range(2):
+        x.fill_(1.0)
+        wp.capture_launch(capture.graph)
+        np.testing.assert_array_equal(x.numpy(), expected)
+
+
+def test_moving_particles_are_followed() -> None:
+    """The same preconditioner at new positions is as good as one made for them."""
+    system = laplacian((40, 30))
+    multilevel = make_multilevel(system)
+    solve(system, multilevel)
+    mirrored = np.array((40.0, 0.0)) + system.positions * (-1.0, 1.0)
+    turned = System(mirrored, system.weights, system.diagonal, system.active, system.b)
+    multilevel._positions.assign(turned.positions)
+    _, statistics = solve(turned, multilevel)
+    _, expected = solve(turned, make_multilevel(turned))
+    assert statistics.iterations == expected.iterations
+
+
+@pytest.mark.parametrize("precision", ["float64", "float32"])
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_every_kernel_compiles_for_cuda(dimension: int, precision: str, tmp_path: Path) -> None:
+    numbers = kit(dimension, precision)
+    for module in declare_kernels(numbers):
+        wp.compile_aot_module(module, arch=80, module_dir=tmp_path, use_ptx=True)
+    code = "".join(file.read_text() for file in tmp_path.glob("*.ptx"))
+    names = vars(multilevel_kernels(numbers))
+    assert [name for name in names if f".entry multilevel_kernels__locals__{name}_" not in code] == []
