@@ -67,7 +67,7 @@ def test_a_collision_keeps_momentum_and_energy(dimension: int, elasticity: Elast
     while simulation.time < 0.02:
         simulation.advance(64)
         compressed = max(compressed, simulation.energy.contact / energy)
-        assert simulation.energy.total == pytest.approx(energy, rel=5e-3)
+        assert simulation.energy.total == pytest.approx(energy, rel=1e-3)
     after = momenta()
     np.testing.assert_allclose(after.sum(axis=0), before.sum(axis=0), rtol=0.0, atol=1e-12 * size)
     np.testing.assert_allclose(angular_momentum(simulation), turning, rtol=0.0, atol=1e-12 * size)

@@ -456,7 +456,8 @@ class Elasticity:
         effective_radius: Effective radius r_e in units of the particle spacing [-].
         normalization: What the operators of ``springs`` are normalized by: ``lattice`` (n0 of a full lattice, as in
             eq. 14) or ``particle`` (the particle's own n_i, as in eq. 6).
-        control: Strength with which ``hamiltonian`` resists zero-energy modes [-].
+        control: Strength with which ``hamiltonian`` resists zero-energy modes [-]. The default is the most accurate up
+            to some 16 particles through a thickness; 0.65 to 0.7 shows the second order already from 8 on.
     """
 
     model: str = "hamiltonian"
