@@ -152,6 +152,9 @@ def _material(material: Material, scene: Scene, body: str) -> None:
     _positive(material.density, where, "density")
     _positive(material.youngs_modulus, where, "youngs_modulus")
     _choice(material.law, sc.LAWS, where, "law")
+    _range(material.retardation_time, 0.0, math.inf, where, "retardation_time")
+    good = material.retardation_time == 0.0 or scene.elasticity.model != "springs"
+    _require(good, where, "retardation_time", "is for the hamiltonian model: springs takes the scene's damping only")
     linear = material.law == "st_venant_kirchhoff"
     good = linear or scene.elasticity.model != "springs"
     _require(good, where, "law", f"is {material.law!r}, which the springs model does not know; use hamiltonian")

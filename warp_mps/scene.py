@@ -92,6 +92,8 @@ class Material:
         youngs_modulus: Young's modulus E [Pa].
         poissons_ratio: Poisson's ratio nu [-]: -1 < nu < 0.5, and -1 < nu < 1 in plane stress.
         law: How stress grows with large strain, one of `LAWS` (`warp_mps.elastic.laws` gives the formulas).
+        retardation_time: Kelvin-Voigt damping: a viscous stress of this time tau times the rate of the elastic one [s].
+            A mode of angular frequency omega has the damping ratio tau omega / 2. For the hamiltonian model.
         path: Where it was described, for error messages.
     """
 
@@ -99,6 +101,7 @@ class Material:
     youngs_modulus: float
     poissons_ratio: float
     law: str = "st_venant_kirchhoff"
+    retardation_time: float = field(default=0.0, kw_only=True)
     path: str = field(default="material", kw_only=True)
 
 
@@ -388,8 +391,8 @@ class Probe:
     `warp_mps.elastic.stresses` defines stress and strain; `strain_energy` is per reference volume.
 
     A section is the cut around a region's particles: `section_force` is the force that the rest of their bodies exerts
-    on them through it, the sum of the elastic forces on them, and `section_moment` its moment about the point `about`,
-    which moves with the body. Contact, loads, weight and supports have no part in them.
+    on them through it, the sum of the elastic and viscous forces on them, and `section_moment` its moment about the
+    point `about`, which moves with the body. Contact, loads, weight and supports have no part in them.
 
     Attributes:
         name: Name, the column of probes.csv.

@@ -200,7 +200,7 @@ class Simulation:
 
     @property
     def elastic_forces(self) -> np.ndarray:
-        """Elastic forces on the particles [N], shape [n, d]."""
+        """Elastic forces, and those of the material's damping, on the particles [N], shape [n, d]."""
         return self._once("elastic", lambda: self.internal_forces - self.contact_forces)
 
     @property

@@ -21,7 +21,7 @@ def test_smallest_stage(tmp_path: Path) -> None:
     assert scene.gravity == (0.0, 0.0)
     (body,) = scene.bodies
     assert (body.name, body.path, body.spacing) == ("Beam", "/Beam", 0.1)
-    assert dataclasses.astuple(body.material) == (7800.0, 2e11, 0.3, "st_venant_kirchhoff", "/Steel")
+    assert dataclasses.astuple(body.material) == (7800.0, 2e11, 0.3, "st_venant_kirchhoff", 0.0, "/Steel")
     assert len(fill(body.shape, body.spacing, 2)) == 100
 
 

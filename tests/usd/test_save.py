@@ -36,7 +36,7 @@ from warp_mps.usd.read import read_stage
 from warp_mps.usd.save import save_stage
 
 STEEL = Material(7850.0, 2.1e11, 0.3)
-RUBBER = Material(1161.5444, 1.2345678901e6, 0.42)
+RUBBER = Material(1161.5444, 1.2345678901e6, 0.42, "neo_hookean", retardation_time=1.25e-4)
 LEAD = Material(11340.0, 1.6e10, 0.44)
 
 

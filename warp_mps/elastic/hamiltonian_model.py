@@ -31,6 +31,7 @@ class HamiltonianModel:
         index: Neighbour of each pair.
         bond: Reference vector X_ij of each pair [m], shape [pairs, d].
         weight: Weight omega_ij of each pair [1/m^2].
+        kappa: Stiffness of the control of zero-energy modes [N m], shape [n].
         gradient: Displacement gradient H_i [-], shape [n, d, d].
         pull: B_i [N m], shape [n, d, d].
     """
@@ -57,7 +58,7 @@ class HamiltonianModel:
         self._law = wp.array(laws, dtype=wp.int32, device=device)
         self._plane_stress = int(d == 2 and scene.plane == "stress")
         self._volume, self._lame, self._mu = real(volume), real(lame), real(mu)
-        self._kappa = real(scene.elasticity.control * volume * 2.0 * mu * d / density)
+        self.kappa = real(scene.elasticity.control * volume * 2.0 * mu * d / density)
         self.gradient = wp.zeros(n, dtype=kit.mat, device=device)
         self.pull = wp.zeros(n, dtype=kit.mat, device=device)
 
@@ -66,17 +67,21 @@ class HamiltonianModel:
         """What evaluates the forces, in order: the stresses, then the forces."""
         return [("stress", self._launch_stress), ("force", self._launch_force)]
 
+    def operators(self) -> list[wp.array]:
+        """Start and index of the pairs, their vectors and weights; A_i^-1 and volume of the particles."""
+        return [self.start, self.index, self.bond, self.weight, self._inverse_shape, self._volume]
+
     def launch_energy(self, state: ElasticState, energy_out: wp.array) -> None:
         """Elastic energy of every particle at the last evaluation of the stresses [J]."""
         pairs = [self.start, self.index, self.bond, self.weight]
-        inputs = [*pairs, self._volume, self._kappa, *self._constants(), state.u, self.gradient]
+        inputs = [*pairs, self._volume, self.kappa, *self._constants(), state.u, self.gradient]
         wp.launch(self._kernels.energy, len(self._volume), inputs, [energy_out], device=self._device)
 
     def pressures(self) -> np.ndarray:
         """Pressure -tr(sigma)/d of the Cauchy stress sigma = P F^T / J in the scene's dimensions [Pa], shape [n]."""
         f = self.gradient.numpy().astype(float) + np.eye(self.gradient.numpy().shape[-1])
         # B_i holds V P A^-1 - kappa H: the stress is had back from it
-        kappa_h = self._kappa.numpy()[:, None, None] * self.gradient.numpy()
+        kappa_h = self.kappa.numpy()[:, None, None] * self.gradient.numpy()
         shape = np.linalg.inv(self._inverse_shape.numpy().astype(float))
         p = (self.pull.numpy() + kappa_h) @ shape / self._volume.numpy()[:, None, None]
         return -np.einsum("nij,nij->n", p, f) / np.linalg.det(f) / f.shape[-1]
@@ -120,11 +125,11 @@ class HamiltonianModel:
 
     def _launch_stress(self, state: ElasticState, first: int, count: int) -> None:
         pairs = [first, self.start, self.index, self.bond, self.weight]
-        inputs = [*pairs, self._inverse_shape, self._volume, self._kappa, *self._constants(), state.u]
+        inputs = [*pairs, self._inverse_shape, self._volume, self.kappa, *self._constants(), state.u]
         wp.launch(self._kernels.stress, count, inputs, [self.gradient, self.pull], device=self._device)
 
     def _launch_force(self, state: ElasticState, first: int, count: int) -> None:
-        inputs = [first, self.start, self.index, self.bond, self.weight, self._kappa, state.u, self.pull]
+        inputs = [first, self.start, self.index, self.bond, self.weight, self.kappa, state.u, self.pull]
         wp.launch(self._kernels.force, count, inputs, [state.force], device=self._device)
 
     def _constants(self) -> list[Any]:

@@ -23,6 +23,8 @@ from warp_mps.elastic.spin import spin_kernels
 from warp_mps.elastic.springs import spring_kernels
 from warp_mps.elastic.state import ElasticState, initial_state
 from warp_mps.elastic.stresses import StressFields, stress_kernels
+from warp_mps.elastic.viscosity import make_viscosity
+from warp_mps.elastic.viscous import viscous_kernels
 from warp_mps.elastic.walls import Walls
 from warp_mps.energy import Energy
 from warp_mps.particles import Particles
@@ -31,6 +33,7 @@ from warp_mps.scene import Scene
 KERNELS = (
     *(spring_kernels, spin_kernels, hamiltonian_kernels),
     *(motion_kernels, load_kernels, contact_kernels, energy_kernels, stress_kernels),
+    viscous_kernels,
 )
 
 
@@ -77,6 +80,7 @@ class Solid:
         self.outside = Outside(scene, particles, dt=dt, kit=kit, device=device)
         held_rotation = self.outside.held_rotation[: self._n]
         self.model = make_model(scene, particles.elastic_part(), held_rotation, kit=kit, device=device)
+        self.viscosity = make_viscosity(scene, particles.elastic_part(), self.model, kit=kit, device=device)
         self.walls = Walls(scene, particles, dt=dt, kit=kit, device=device) if scene.walls else None
         self._moving = self.outside.moving or bool(self.walls and self.walls.moving)
         self.contacts = Contacts(scene, particles, kit=kit, device=device) if needs_contact(scene, particles) else None
@@ -100,6 +104,9 @@ class Solid:
             self.contacts.renew(self.state)
         for _, launch in self.model.passes:
             launch(self.state, 0, self._n)
+        if self.viscosity:
+            self.viscosity.launch_stress(self.state, 0.0, 0, self._n)
+            self.viscosity.launch_force(self.state, 0.0, 0, self._n)
         if self.contacts:
             self._touch(self.contacts)
         self.outside.push(self.state.force, self._mass)
@@ -123,7 +130,7 @@ class Solid:
 
     def _make_phases(self) -> list[Phase]:
         """The phases of a step, in order; what a scene does not have, it does not pay for."""
-        spins, state, contacts = self.model.spins, self.state, self.contacts
+        spins, state, contacts, viscosity = self.model.spins, self.state, self.contacts, self.viscosity
         phases = [Phase("drift", self._drift, splits=True)]
         if spins:
             phases.append(Phase("spin drift", functools.partial(spins.drift, self._dt), splits=True, follows=True))
@@ -131,8 +138,14 @@ class Solid:
             phases.append(Phase("drive", lambda *_: self._drive()))
         if contacts:
             phases.append(Phase("contact search", lambda *_: contacts.locate(state)))
-        for name, launch in self.model.passes:
-            phases.append(Phase(name, functools.partial(launch, state), splits=True))
+        passes = [Phase(name, functools.partial(launch, state), splits=True) for name, launch in self.model.passes]
+        if viscosity:
+            # the first needs no more than the stresses of the particle itself, the second what the forces waited for
+            damped = [functools.partial(launch, state, self._dt) for launch in viscosity.launches]
+            names = ("viscous stress", "viscous force")
+            viscous = [Phase(name, launch, True, True) for name, launch in zip(names, damped, strict=True)]
+            passes = [phase for pair in zip(passes, viscous, strict=True) for phase in pair]
+        phases += passes
         if contacts:
             phases.append(Phase("contact", lambda *_: self._touch(contacts)))
         if self.outside.moving:
@@ -213,8 +226,9 @@ class Solid:
     def arrays(self) -> dict[str, np.ndarray]:
         """Everything that evolves, for a checkpoint."""
         spins = self.model.spins.arrays() if self.model.spins else {}
+        viscous = self.viscosity.arrays() if self.viscosity else {}
         walls = self.walls.arrays() if self.walls else {}
-        return {**self.state.arrays(), **spins, **self.outside.arrays(), **walls}
+        return {**self.state.arrays(), **spins, **viscous, **self.outside.arrays(), **walls}
 
     def assign(self, arrays: dict[str, np.ndarray]) -> None:
         """Continue from arrays that `arrays` gave."""
@@ -222,6 +236,8 @@ class Solid:
         self.outside.assign(arrays)
         if self.model.spins:
             self.model.spins.assign(arrays)
+        if self.viscosity:
+            self.viscosity.assign(arrays)
         if self.walls:
             self.walls.assign(arrays, self.outside.steps)
         # what a step makes anew, but a look at this moment needs already

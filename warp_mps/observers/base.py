@@ -91,7 +91,7 @@ class View(Protocol):
 
     @property
     def elastic_forces(self) -> np.ndarray:
-        """Elastic forces on the particles [N], shape [n, dimension]."""
+        """Elastic forces, and those of the material's damping, on the particles [N], shape [n, dimension]."""
 
     @property
     def elastic_torques(self) -> np.ndarray:

@@ -159,7 +159,8 @@ class _Reader:
             raise InputError(str(prim.GetPath()), "material:binding:physics", "is missing: bind a material")
         values = self._values(bound.GetPrim(), "material")
         own = self._own_density(prim)
-        names = ("mps:youngsModulus", "mps:poissonsRatio", "mps:law", *(() if own else ("physics:density",)))
+        names = ["mps:youngsModulus", "mps:poissonsRatio", "mps:law", "mps:retardationTime"]
+        names += [] if own else ["physics:density"]
         return Material(path=values.path, **{**values.fields(*names), **own})
 
     def _own_density(self, prim: Usd.Prim) -> dict[str, float]:

@@ -123,6 +123,9 @@ MATERIAL = _table(
          "Poisson's ratio, between -1 and 0.5 (plane stress: 1), both excluded", required=True),
     _row("mps:law", "token", "law", "how stress grows with large strain; `springs` is linear",
          default=_default(sc.Material, "law"), allowed=sc.LAWS),
+    _row("mps:retardationTime", "double", "retardation_time",
+         "Kelvin-Voigt damping of `hamiltonian`: viscous stress over rate of elastic stress, at least 0", unit="s",
+         default=_default(sc.Material, "retardation_time")),
 )
 
 _INNER = _row("mps:innerRadius", "double", "inner_radius", "radius of the bore of a Cylinder, less than its radius",

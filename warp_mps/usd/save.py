@@ -165,6 +165,7 @@ class _Writer:
         UsdPhysics.MaterialAPI.Apply(shade.GetPrim()).CreateDensityAttr(density)
         values: dict[str, Any] = {"mps:youngsModulus": material.youngs_modulus}
         values |= {"mps:poissonsRatio": material.poissons_ratio, "mps:law": material.law}
+        values["mps:retardationTime"] = material.retardation_time
         self._author(shade.GetPrim(), "material", values)
         return shade
 
