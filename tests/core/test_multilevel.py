@@ -80,7 +80,7 @@ def test_few_iterations_to_the_solution(name: str) -> None:
     exact = scipy.sparse.linalg.spsolve(system.inner, system.b[system.unknowns])
     np.testing.assert_allclose(x[system.unknowns], exact, rtol=0, atol=1e-6 * np.abs(exact).max())
     _, jacobi = solve(system, None, tolerance=1e-8)
-    assert statistics.iterations <= min(30, 0.5 * jacobi.iterations)
+    assert statistics.iterations <= min(22, 0.5 * jacobi.iterations)
     assert statistics.last_residual <= 1e-8
 
 
@@ -131,9 +131,10 @@ def test_matrix_of_the_cells_is_the_sum_of_the_entries_between_them(dimension: i
 
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_interpolation_is_linear_and_collecting_is_its_transpose(dimension: int) -> None:
-    system = laplacian((14, 13, 12)[:dimension])
+    # no cell is empty: the last ones have particles for at least half of their width
+    system = laplacian((14, 12, 10)[:dimension], surface=False)
     multilevel = make_multilevel(system)
-    as_matrix(multilevel, laplacian((14, 13, 12)[:dimension]))
+    as_matrix(multilevel, system)
     level, kernels = multilevel._levels[0], multilevel_kernels(kit(dimension))
     dims = np.array([level.dims[axis] for axis in range(dimension)])
     axes = np.meshgrid(*[2.1 * (np.arange(length) + 0.5) for length in dims], indexing="ij")
@@ -143,14 +144,15 @@ def test_interpolation_is_linear_and_collecting_is_its_transpose(dimension: int)
     wp.launch(kernels.spread, multilevel._sums, [level.dims, vector(field)], [multilevel._corner_sums], device="cpu")
     inputs = [multilevel._inverse, multilevel._between, multilevel._weight, multilevel._corner_sums]
     wp.launch(kernels.interpolate_particles, system.n, inputs, [z], device="cpu")
-    inner = np.all((system.positions > 1.06) & (system.positions < 2.1 * dims - 1.06), axis=1) & (system.active != 0)
+    inner = np.all((system.positions > 1.06) & (system.positions < 2.1 * dims - 1.06), axis=1)
     np.testing.assert_allclose(z.numpy()[inner], (system.positions @ slope)[inner], rtol=1e-12)
 
-    r = np.random.default_rng(2).normal(size=system.n) * system.active
+    r = np.random.default_rng(2).normal(size=system.n)
     inputs = [level.dims, multilevel._start, multilevel._order, multilevel._weight, vector(r)]
     wp.launch(kernels.collect_particles, multilevel._sums, inputs, [multilevel._corner_sums], device="cpu")
     inputs = [level.dims, level.diagonal, multilevel._corner_sums]
     wp.launch(kernels.collect_corners, level.size, inputs, [level.r, level.e], device="cpu")
+    assert level.r.numpy().sum() == pytest.approx(r.sum(), rel=1e-10)
     assert level.r.numpy() @ field == pytest.approx(r @ z.numpy(), rel=1e-10)
 
 
@@ -158,7 +160,7 @@ def test_singular_system() -> None:
     system = laplacian((40, 35), surface=False)
     shifted = System(system.positions, system.weights, system.diagonal, system.active, system.b + 0.3)
     x, statistics = solve(shifted, make_multilevel(system), singular=True, tolerance=1e-8)
-    assert statistics.iterations <= 30
+    assert statistics.iterations <= 20
     assert system.residual(x) <= 1.01e-8
 
 

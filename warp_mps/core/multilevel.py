@@ -123,6 +123,8 @@ class Multilevel:
         rows = [matrix.first, matrix.count, matrix.index, matrix.value, matrix.diagonal]
         inputs = [levels[0].dims, self._scale, *rows, self._start, self._order, self._cell]
         self._launch(kernels.gather, levels[0].size, inputs, levels[0].matrix)
+        self._launch(kernels.spread, self._sums, [levels[0].dims, levels[0].diagonal], [self._corner_sums])
+        self._launch(kernels.weigh_again, self._n, [inverse, self._between, self._corner_sums], [self._weight])
         for fine, coarse in itertools.pairwise(levels):
             inputs = [fine.dims, coarse.dims, fine.coupling, fine.excess]
             self._launch(kernels.coarsen, coarse.size, inputs, coarse.matrix)
