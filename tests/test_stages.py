@@ -20,6 +20,7 @@ PROMISED = (
     *("free_free_bar_3d", "twisting_column_3d"),
     *(
         "block_on_elastic_base",
+        "block_on_wall",
         "mass_spring_forced",
         "mass_spring_free",
         "ring_collision",
@@ -28,7 +29,7 @@ PROMISED = (
     ),
 )
 # what takes seconds even for a few frames
-LARGE = ("free_free_bar_3d", "beam_first_mode", "beam_second_mode", "ring_collision_gray", "twisting_column_3d")
+LARGE = ("free_free_bar_3d", "beam_first_mode", "beam_second_mode", "twisting_column_3d")
 
 
 def test_what_is_shipped() -> None:

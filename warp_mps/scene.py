@@ -471,11 +471,12 @@ class Elasticity:
 
 @dataclass(frozen=True, kw_only=True)
 class Contact:
-    """How particles that are not neighbours in the reference configuration repel each other.
+    """How bodies and walls repel each other where their faces meet; `warp_mps.elastic.contact_law` gives the law.
 
     Attributes:
-        between: ``bodies`` (different bodies), ``all`` (also a body and itself), or ``none``.
-        stiffness: Contact stiffness in units of E l0^(d-2) [-], of the softer of the two materials.
+        between: ``bodies`` (different bodies), ``all`` (also a body and itself), or ``none``. A body does not see
+            itself across a gap that is narrower than two spacings.
+        stiffness: Pressure of a small penetration in units of E penetration / l0 [-], E of the softer material.
     """
 
     between: str = "bodies"

@@ -40,18 +40,27 @@ TOLERANCES: dict[str, tuple[dict[str, float], float]] = {
     "ring_collision": ({}, 0.01),
     "ring_collision_gray": (
         {
-            "restitution, 0.059 c0": 0.05,
-            "contact time, 0.059 c0": 0.05,
-            "least width, 0.059 c0": 0.05,
-            "restitution, 0.02 c0": 0.05,
-            "contact time, 0.02 c0": 0.05,
-            "least width, 0.02 c0": 0.05,
+            "restitution, 0.059 c0": 0.015,
+            "contact time, 0.059 c0": 0.015,
+            "least width, 0.059 c0": 0.015,
+            "restitution, 0.02 c0": 0.015,
+            "contact time, 0.02 c0": 0.015,
+            "least width, 0.02 c0": 0.015,
         },
         0.01,
     ),
+    "block_on_wall": (
+        {
+            "restitution, square block": 0.015,
+            "contact time, square block": 0.02,
+            "restitution, slender block": 0.01,
+            "contact time, slender block": 0.015,
+        },
+        1e-3,
+    ),
     "block_on_elastic_base": ({}, 0.01),
     # the layer of contact is as soft as a spacing of the bar
-    "bar_struck_by_wall": ({"contact time": 0.035, "speed after": 0.015, "push": 0.015}, 1e-4),
+    "bar_struck_by_wall": ({"contact time": 0.03, "speed after": 0.015, "push": 0.015}, 1e-4),
     # the particles of the block rattle on those of the floor
     "paddle_and_block": ({"weight on the floor, before": 0.02, "weight on the floor, after": 0.02}, 0.002),
     "oscillating_plate": ({"period": 0.01, "amplitude": 0.02}, 1e-3),

@@ -1,8 +1,16 @@
-"""Contact: particles that are not neighbours in the reference configuration repel each other below their spacing.
+"""Contact: bodies touch at their faces, however the lattices that their particles lie on meet.
 
-The repulsion is the gradient of the potential 1/2 k (d - |x_ij|)^2 of each pair closer than d, the mean of the two
-spacings: central, equal and opposite, energy kept. Candidates are found with `wp.HashGrid` a little beyond d and are
-listed; the list is renewed, inside the replayed step, when a particle has moved half of that margin.
+What repels is not a pair of particles but the crowding q_iB of a particle i by another body B, a sum over all of B's
+particles within two spacings (`warp_mps.elastic.contact_law`). Where it exceeds 1, what a flat face does at touch, it
+stores V_iB = 1/2 k_iB (q_iB - 1)^2. With g_iB = dV_iB/dq_iB and A the body of i, the exact gradient is a pair force,
+
+    f_ij = -(g_iB w_iB + g_jA w_jA) W'(|x_ij| / s) / s  (x_i - x_j) / |x_ij|
+
+central, equal and opposite: momentum, angular momentum and energy are kept. "Body" is a group of bonded bodies here;
+self-contact is that of a group with itself, reference neighbours and what is within the support of W in the reference
+configuration left out.
+
+A step sums twice over the candidates: the crowding, then the forces.
 """
 
 import functools
@@ -11,142 +19,114 @@ from types import SimpleNamespace
 import warp as wp
 
 from warp_mps.core.kit import Kit
+from warp_mps.elastic.contact_law import SUPPORT
 
 METHOD = "elastic"
-# margin of the candidate list beyond the contact distance, in units of the smallest spacing
-SKIN = 0.35
-# a particle of a lattice surface meets few others; the list says so when this is not enough
-CANDIDATES = {2: 12, 3: 32}
 
 
 @functools.cache
 def contact_kernels(kit: Kit) -> SimpleNamespace:
-    """Kernels `locate`, `candidates`, `force` and `energy`."""
-    real, vec, vec3 = kit.real, kit.vec, kit.vec3
+    """Kernels `crowding`, `force` and `energy`."""
+    real, vec = kit.real, kit.vec
 
     @kit.func(METHOD)
-    def repulsion(r: real, distance: real, k: real) -> real:
-        """Magnitude of the force of a pair at a distance r."""
-        return k * wp.max(distance - r, real(0.0))
+    def pair_support(a: real, b: real) -> real:
+        """Distance at which particles of two spacings cease to see each other."""
+        return real(wp.static(SUPPORT)) * wp.max(a, b)
+
+    @kit.func(METHOD)
+    def weight(s: real) -> real:
+        """Wendland's W(s), for s >= 0."""
+        t = wp.max(real(1.0) - s, real(0.0))
+        return t * t * t * t * (real(1.0) + real(4.0) * s)
+
+    @kit.func(METHOD)
+    def steepness(s: real) -> real:
+        """-W'(s) / s, for s >= 0: finite at 0."""
+        t = wp.max(real(1.0) - s, real(0.0))
+        return real(20.0) * t * t * t
 
     @kit.kernel(METHOD)
-    def locate(
+    def crowding(
         # Model:
         reference: wp.array(dtype=vec),
-        margin: real,
-        # State in:
-        u: wp.array(dtype=vec),
-        u_listed: wp.array(dtype=vec),
-        # Out:
-        points_out: wp.array(dtype=vec3),
-        stale_out: wp.array(dtype=wp.int32),
-    ):
-        """Positions for the grid, and whether any particle has moved by half of the margin since the last list."""
-        i = wp.tid()
-        x = reference[i] + u[i]
-        point = vec3()
-        for axis in range(wp.static(kit.dimension)):
-            point[axis] = x[axis]
-        points_out[i] = point
-        moved = u[i] - u_listed[i]
-        if wp.dot(moved, moved) > real(0.25) * margin * margin:
-            stale_out[0] = 1
-
-    @kit.kernel(METHOD)
-    def candidates(
-        # Model:
-        grid: wp.uint64,
-        reach: real,
-        margin: real,
         spacing: wp.array(dtype=real),
-        reference: wp.array(dtype=vec),
         group: wp.array(dtype=wp.int32),
-        neighbour_radius: wp.array(dtype=real),
-        within_group: wp.int32,
+        stiffness: wp.array(dtype=real),
+        softest: wp.array(dtype=real),
+        weights: wp.array(dtype=real, ndim=2),
+        scales: wp.array(dtype=real, ndim=2),
+        start: wp.array(dtype=wp.int32),
+        listed: wp.array(dtype=wp.int32),
+        faces: wp.array(dtype=wp.int32),
+        facing: wp.array(dtype=wp.int32, ndim=2),
+        end: wp.array(dtype=wp.int32, ndim=2),
         # State in:
-        points: wp.array(dtype=vec3),
         u: wp.array(dtype=vec),
         # Out:
-        listed_out: wp.array(dtype=wp.int32, ndim=2),
-        count_out: wp.array(dtype=wp.int32),
-        u_listed_out: wp.array(dtype=vec),
-        stale_out: wp.array(dtype=wp.int32),
-        overflow_out: wp.array(dtype=wp.int32),
+        push_out: wp.array(dtype=real, ndim=2),
+        energy_out: wp.array(dtype=real),
     ):
-        """List what could come into contact, sorted, so that sums do not depend on when the list was made."""
+        """g_iB w_iB of every group B that a particle faces, and the energy that its crowding stores."""
         i = wp.tid()
-        capacity = listed_out.shape[1]
-        n = wp.int32(0)
-        for j in wp.hash_grid_query(grid, points[i], reach):
-            near = j != i and wp.length(points[j] - points[i]) < real(0.5) * (spacing[i] + spacing[j]) + margin
-            if near and group[i] == group[j]:
-                bonded = wp.length(reference[j] - reference[i]) < wp.max(neighbour_radius[i], neighbour_radius[j])
-                near = within_group == 1 and not bonded
-            if near:
-                if n < capacity:
-                    k = n
-                    while k > 0 and listed_out[i, wp.max(k - 1, 0)] > j:
-                        listed_out[i, k] = listed_out[i, k - 1]
-                        k -= 1
-                    listed_out[i, k] = j
-                    n += 1
-                else:
-                    overflow_out[0] = i + 1
-        count_out[i] = n
-        u_listed_out[i] = u[i]
-        if i == 0:
-            stale_out[0] = 0
+        k = start[i]
+        total = real(0.0)
+        for s in range(faces[i]):
+            other = facing[i, s]
+            q = real(0.0)
+            for m in range(k, end[i, s]):
+                j = listed[m]
+                r = wp.length(reference[j] - reference[i] + (u[j] - u[i]))
+                q += weight(r / pair_support(spacing[i], spacing[j]))
+            k = end[i, s]
+            w = weights[group[i], other]
+            beyond = wp.max(w * q - real(1.0), real(0.0))
+            g = real(0.0)
+            if beyond > real(0.0):
+                g = scales[group[i], other] * wp.min(stiffness[i], softest[other]) * beyond
+            push_out[i, s] = g * w
+            total += real(0.5) * g * beyond
+        energy_out[i] = total
 
     @kit.kernel(METHOD)
     def force(
         # Model:
         reference: wp.array(dtype=vec),
         spacing: wp.array(dtype=real),
-        stiffness: wp.array(dtype=real),
-        listed: wp.array(dtype=wp.int32, ndim=2),
-        count: wp.array(dtype=wp.int32),
+        group: wp.array(dtype=wp.int32),
+        start: wp.array(dtype=wp.int32),
+        listed: wp.array(dtype=wp.int32),
+        faces: wp.array(dtype=wp.int32),
+        facing: wp.array(dtype=wp.int32, ndim=2),
+        end: wp.array(dtype=wp.int32, ndim=2),
         # State in:
         u: wp.array(dtype=vec),
+        push: wp.array(dtype=real, ndim=2),
+        stored: wp.array(dtype=real),
         # State out:
         contact_out: wp.array(dtype=vec),
         force_out: wp.array(dtype=vec),
     ):
         i = wp.tid()
-        n = count[i]
+        n = faces[i]
         total = vec()
-        if n > 0:
-            x_i = reference[i] + u[i]
-            for k in range(n):
-                j = listed[i, k]
-                x = reference[j] + u[j] - x_i
-                r = wp.length(x)
-                push = repulsion(r, real(0.5) * (spacing[i] + spacing[j]), wp.min(stiffness[i], stiffness[j]))
-                if push > real(0.0):
-                    total -= (push / wp.max(r, real(1.0e-30))) * x
-            force_out[i] = force_out[i] + total
+        k = start[i]
+        for s in range(n):
+            for m in range(k, end[i, s]):
+                j = listed[m]
+                both = push[i, s]
+                # most candidates store nothing
+                if stored[j] > real(0.0):
+                    for t in range(faces[j]):
+                        if facing[j, t] == group[i]:
+                            both += push[j, t]
+                if both > real(0.0):
+                    support = pair_support(spacing[i], spacing[j])
+                    x = reference[j] - reference[i] + (u[j] - u[i])
+                    total -= (both * steepness(wp.length(x) / support) / (support * support)) * x
+            k = end[i, s]
         contact_out[i] = total
+        if n > 0:
+            force_out[i] = force_out[i] + total
 
-    @kit.kernel(METHOD)
-    def energy(
-        # Model:
-        reference: wp.array(dtype=vec),
-        spacing: wp.array(dtype=real),
-        stiffness: wp.array(dtype=real),
-        listed: wp.array(dtype=wp.int32, ndim=2),
-        count: wp.array(dtype=wp.int32),
-        # State in:
-        u: wp.array(dtype=vec),
-        # Out:
-        energy_out: wp.array(dtype=real),
-    ):
-        """Half of the potential of each of a particle's pairs."""
-        i = wp.tid()
-        total = real(0.0)
-        for k in range(count[i]):
-            j = listed[i, k]
-            r = wp.length(reference[j] + u[j] - reference[i] - u[i])
-            gap = wp.max(real(0.5) * (spacing[i] + spacing[j]) - r, real(0.0))
-            total += real(0.25) * wp.min(stiffness[i], stiffness[j]) * gap * gap
-        energy_out[i] = total
-
-    return SimpleNamespace(locate=locate, candidates=candidates, force=force, energy=energy)
+    return SimpleNamespace(crowding=crowding, force=force)

@@ -8,10 +8,15 @@ import warp as wp
 from warp_mps.core.kit import Kit
 from warp_mps.core.neighbours import make_grid
 from warp_mps.core.weights import REACH_TOLERANCE
-from warp_mps.elastic.contact import CANDIDATES, SKIN, contact_kernels
+from warp_mps.elastic.contact import contact_kernels
+from warp_mps.elastic.contact_law import APART, SUPPORT, capacity, law_constants
+from warp_mps.elastic.contact_search import FACES, search_kernels
 from warp_mps.elastic.state import ElasticState
 from warp_mps.particles import Particles
 from warp_mps.scene import Scene
+
+# margin of the candidate list beyond the support of the law, in units of the smallest spacing
+SKIN = 0.35
 
 
 def needs_contact(scene: Scene, particles: Particles) -> bool:
@@ -24,32 +29,41 @@ class Contacts:
     """Contact between the particles of a scene."""
 
     def __init__(self, scene: Scene, particles: Particles, *, kit: Kit, device: Any) -> None:
-        self._kernels, self._device = contact_kernels(kit), device
-        n, d = particles.count, particles.dimension
+        self._search, self._kernels, self._device = search_kernels(kit), contact_kernels(kit), device
+        n, spacings = particles.count, particles.spacings
         # of the smallest, or a coarse body would list more particles of a fine one than it has room for
-        self._margin = SKIN * float(particles.spacings.min())
-        self._reach = float(particles.spacings.max()) + self._margin
+        self._margin = SKIN * float(spacings.min())
+        self._reach = SUPPORT * float(spacings.max()) + self._margin
         self._within = int(scene.contact.between == "all")
-        # walls are rigid, so that a pair has the body's stiffness, and are all neighbours: they do not touch each other
-        youngs = [body.material.youngs_modulus for body in scene.bodies] + [np.inf] * len(scene.walls)
-        youngs = np.array(youngs)[particles.bodies]
-        radius = scene.elasticity.effective_radius * particles.spacings * REACH_TOLERANCE
-        radius[particles.elastic :] = np.inf
 
         def real(values: np.ndarray) -> wp.array:
             return wp.array(values, dtype=kit.real, device=device)
 
+        def whole(shape: int | tuple[int, int]) -> wp.array:
+            return wp.zeros(shape, dtype=wp.int32, device=device)
+
+        groups, weights, scales = _laws(particles)
+        # walls are rigid, so that a contact has the body's stiffness, and do not touch each other
+        youngs = np.array([*(material.youngs_modulus for material in scene.materials), np.inf])[particles.materials]
+        softest = np.full(len(weights), np.inf)
+        np.minimum.at(softest, groups, youngs)
+        radius = max(scene.elasticity.effective_radius, APART)
         self._reference = wp.array(particles.positions, dtype=kit.vec, device=device)
-        self._spacing = real(particles.spacings)
-        self._stiffness = real(scene.contact.stiffness * youngs * particles.spacings ** (d - 2))
-        self._radius = real(radius)
-        self._group = wp.array(particles.groups, dtype=wp.int32, device=device)
+        apart = radius * spacings * REACH_TOLERANCE
+        apart[particles.elastic :] = np.inf
+        self._spacing, self._apart = real(spacings), real(apart)
+        self._group = wp.array(groups, dtype=wp.int32, device=device)
+        self._stiffness, self._softest = real(youngs), real(softest)
+        self._weights, self._scales = real(weights), real(scene.contact.stiffness * scales)
+        rows = np.concatenate(([0], np.cumsum(self._room(particles))))
+        self._start = wp.array(rows, dtype=wp.int32, device=device)
+        self._listed = whole(int(rows[-1]))
+        self._faces, self._facing, self._end = whole(n), whole((n, FACES)), whole((n, FACES))
+        self._push = wp.zeros((n, FACES), dtype=kit.real, device=device)
+        self._energy = real(np.zeros(n))
         self._points = wp.zeros(n, dtype=kit.vec3, device=device)
         self._u_listed = wp.zeros(n, dtype=kit.vec, device=device)
-        self._listed = wp.zeros((n, CANDIDATES[d]), dtype=wp.int32, device=device)
-        self._count = wp.zeros(n, dtype=wp.int32, device=device)
-        self._stale = wp.zeros(1, dtype=wp.int32, device=device)
-        self._overflow = wp.zeros(1, dtype=wp.int32, device=device)
+        self._stale, self._overflow = whole(1), whole(1)
         extent = particles.positions.max(axis=0) - particles.positions.min(axis=0)
         self._grid = make_grid(extent, self._reach, kit=kit, device=device)
         self._grid.reserve(n)
@@ -63,31 +77,61 @@ class Contacts:
     def locate(self, state: ElasticState) -> None:
         """Renew the list of candidates if a particle has moved far enough since it was made."""
         inputs = [self._reference, self._margin, state.u, self._u_listed]
-        wp.launch(self._kernels.locate, len(state.u), inputs, [self._points, self._stale], device=self._device)
+        wp.launch(self._search.locate, len(state.u), inputs, [self._points, self._stale], device=self._device)
         wp.capture_if(self._stale, self._list, state=state)
 
     def launch_force(self, state: ElasticState) -> None:
         """Add the contact forces."""
-        inputs = [*self._constants(), state.u]
-        wp.launch(self._kernels.force, len(state.u), inputs, [state.contact, state.force], device=self._device)
+        self._launch_crowding(state)
+        inputs = [self._reference, self._spacing, self._group, *self._candidates(), state.u, self._push, self._energy]
+        outputs = [state.contact, state.force]
+        wp.launch(self._kernels.force, len(state.u), inputs, outputs, device=self._device)
 
     def launch_energy(self, state: ElasticState, energy_out: wp.array) -> None:
         """Contact energy of every particle [J]."""
-        inputs = [*self._constants(), state.u]
-        wp.launch(self._kernels.energy, len(state.u), inputs, [energy_out], device=self._device)
+        self._launch_crowding(state)
+        wp.copy(energy_out, self._energy)
 
     def overflowed(self) -> int | None:
         """A particle that has met more others than the list holds, if there was one."""
         particle = int(self._overflow.numpy()[0])
         return particle - 1 if particle else None
 
-    def _constants(self) -> list[wp.array]:
-        return [self._reference, self._spacing, self._stiffness, self._listed, self._count]
+    def _launch_crowding(self, state: ElasticState) -> None:
+        laws = [self._stiffness, self._softest, self._weights, self._scales]
+        inputs = [self._reference, self._spacing, self._group, *laws, *self._candidates(), state.u]
+        outputs = [self._push, self._energy]
+        wp.launch(self._kernels.crowding, len(state.u), inputs, outputs, device=self._device)
+
+    def _candidates(self) -> list[wp.array]:
+        return [self._start, self._listed, self._faces, self._facing, self._end]
 
     def _list(self, state: ElasticState) -> None:
         self._grid.build(self._points, self._reach)
         search = [self._grid.id, self._reach, self._margin, self._spacing]
-        inputs = [*search, self._reference, self._group, self._radius, self._within]
-        outputs = [self._listed, self._count, self._u_listed, self._stale, self._overflow]
-        n = len(state.u)
-        wp.launch(self._kernels.candidates, n, [*inputs, self._points, state.u], outputs, device=self._device)
+        inputs = [*search, self._reference, self._group, self._apart, self._within, self._start, self._points, state.u]
+        lists = [self._listed, self._faces, self._facing, self._end]
+        outputs = [*lists, self._u_listed, self._stale, self._overflow]
+        wp.launch(self._search.candidates, len(state.u), inputs, outputs, device=self._device)
+
+    def _room(self, particles: Particles) -> np.ndarray:
+        """Room in the list for the candidates of each particle, shape [n]."""
+        kinds, kind = np.unique(particles.spacings, return_inverse=True)
+        room = [
+            max(capacity(particles.dimension, SUPPORT * max(own, other) + self._margin, other) for other in kinds)
+            for own in kinds
+        ]
+        return np.array(room)[kind]
+
+
+def _laws(particles: Particles) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Groups of bodies numbered from 0, shape [n], and the law's w and c / stiffness for each two of them.
+
+    A body in a corner of two walls touches each of them: every wall is a group by itself.
+    """
+    groups = np.where(particles.walls < 0, particles.groups, len(particles.names) + particles.walls)
+    _, first, groups = np.unique(groups, return_index=True, return_inverse=True)
+    spacings = particles.spacings[first]
+    laws = [[law_constants(particles.dimension, own, other) for other in spacings] for own in spacings]
+    weights, scales = np.moveaxis(np.array(laws), -1, 0)
+    return groups, weights, scales

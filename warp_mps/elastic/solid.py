@@ -12,6 +12,7 @@ from warp_mps.core.kit import Kit
 from warp_mps.core.neighbours import METHOD as NEIGHBOURS
 from warp_mps.core.neighbours import neighbour_kernels
 from warp_mps.elastic.contact import contact_kernels
+from warp_mps.elastic.contact_search import search_kernels
 from warp_mps.elastic.contacts import Contacts, needs_contact
 from warp_mps.elastic.energies import CHUNK, energy_kernels
 from warp_mps.elastic.hamiltonian import hamiltonian_kernels
@@ -32,7 +33,7 @@ from warp_mps.scene import Scene
 
 KERNELS = (
     *(spring_kernels, spin_kernels, hamiltonian_kernels),
-    *(motion_kernels, load_kernels, contact_kernels, energy_kernels, stress_kernels),
+    *(motion_kernels, load_kernels, search_kernels, contact_kernels, energy_kernels, stress_kernels),
     viscous_kernels,
 )
 

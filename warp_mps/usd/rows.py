@@ -109,7 +109,7 @@ SCENE = _table(
     _row("mps:contact", "token", "contact", "contact between different bodies, also within a body, or none",
          default=_default(sc.Contact, "between"), allowed=sc.CONTACTS),
     _row("mps:contactStiffness", "double", "contact_stiffness",
-         "contact stiffness in units of E spacing^(d-2) of the softer material, above 0",
+         "pressure of a small penetration, in units of E penetration / spacing of the softer material, above 0",
          default=_default(sc.Contact, "stiffness")),
 )
 

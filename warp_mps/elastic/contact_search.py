@@ -1,0 +1,119 @@
+"""The candidates of contact: for every particle the others that it could touch, group of bodies by group.
+
+They are found with `wp.HashGrid` a little beyond the support of the contact law and are listed; the list is renewed,
+inside the replayed step, when a particle has moved half of that margin.
+"""
+
+import functools
+from types import SimpleNamespace
+
+import warp as wp
+
+from warp_mps.core.kit import Kit
+from warp_mps.elastic.contact_law import SUPPORT
+
+METHOD = "elastic"
+# groups of bodies that one particle can be near to
+FACES = 8
+
+
+@functools.cache
+def search_kernels(kit: Kit) -> SimpleNamespace:
+    """Kernels `locate` and `candidates`."""
+    real, vec, vec3 = kit.real, kit.vec, kit.vec3
+
+    @kit.func(METHOD)
+    def precedes(j: wp.int32, k: wp.int32, group: wp.array(dtype=wp.int32)) -> wp.bool:
+        """Order of the list: by group, then by particle."""
+        return group[j] < group[k] or (group[j] == group[k] and j < k)
+
+    @kit.kernel(METHOD)
+    def locate(
+        # Model:
+        reference: wp.array(dtype=vec),
+        margin: real,
+        # State in:
+        u: wp.array(dtype=vec),
+        u_listed: wp.array(dtype=vec),
+        # Out:
+        points_out: wp.array(dtype=vec3),
+        stale_out: wp.array(dtype=wp.int32),
+    ):
+        """Positions for the grid, and whether any particle has moved by half of the margin since the last list."""
+        i = wp.tid()
+        x = reference[i] + u[i]
+        point = vec3()
+        for axis in range(wp.static(kit.dimension)):
+            point[axis] = x[axis]
+        points_out[i] = point
+        moved = u[i] - u_listed[i]
+        if wp.dot(moved, moved) > real(0.25) * margin * margin:
+            stale_out[0] = 1
+
+    @kit.kernel(METHOD)
+    def candidates(
+        # Model:
+        grid: wp.uint64,
+        reach: real,
+        margin: real,
+        spacing: wp.array(dtype=real),
+        reference: wp.array(dtype=vec),
+        group: wp.array(dtype=wp.int32),
+        apart: wp.array(dtype=real),
+        within_group: wp.int32,
+        start: wp.array(dtype=wp.int32),
+        # State in:
+        points: wp.array(dtype=vec3),
+        u: wp.array(dtype=vec),
+        # Out:
+        listed_out: wp.array(dtype=wp.int32),
+        faces_out: wp.array(dtype=wp.int32),
+        facing_out: wp.array(dtype=wp.int32, ndim=2),
+        end_out: wp.array(dtype=wp.int32, ndim=2),
+        u_listed_out: wp.array(dtype=vec),
+        stale_out: wp.array(dtype=wp.int32),
+        overflow_out: wp.array(dtype=wp.int32),
+    ):
+        """List what could come into contact, sorted, so that sums do not depend on when the list was made.
+
+        `start[i]` is where a particle's row begins; of its `faces[i]` groups, `facing[i, s]` is the group and
+        `end[i, s]` one past its last entry.
+        """
+        i = wp.tid()
+        first = start[i]
+        last = first
+        for j in wp.hash_grid_query(grid, points[i], reach):
+            support = real(wp.static(SUPPORT)) * wp.max(spacing[i], spacing[j])
+            near = j != i and wp.length(points[j] - points[i]) < support + margin
+            if wp.isinf(wp.min(apart[i], apart[j])):
+                near = False
+            if near and group[i] == group[j]:
+                # what is near in the body as it was made is held apart by its elasticity
+                close = wp.length(reference[j] - reference[i]) < wp.max(apart[i], apart[j])
+                near = within_group == 1 and not close
+            if near:
+                if last < start[i + 1]:
+                    k = last
+                    while k > first and precedes(j, listed_out[wp.max(k - 1, first)], group):
+                        listed_out[k] = listed_out[k - 1]
+                        k -= 1
+                    listed_out[k] = j
+                    last += 1
+                else:
+                    overflow_out[0] = i + 1
+        faces = wp.int32(0)
+        for k in range(first, last):
+            other = group[listed_out[k]]
+            if faces == 0 or facing_out[i, wp.max(faces - 1, 0)] != other:
+                if faces < facing_out.shape[1]:
+                    facing_out[i, faces] = other
+                    faces += 1
+                else:
+                    overflow_out[0] = i + 1
+            end_out[i, faces - 1] = k + 1
+        faces_out[i] = faces
+        u_listed_out[i] = u[i]
+        if i == 0:
+            stale_out[0] = 0
+
+    return SimpleNamespace(locate=locate, candidates=candidates)
