@@ -47,7 +47,7 @@ class Damped:
         held, n = self.held.put(displacements), self.particles.count
         held.state.v.assign(velocities)
         self.viscosity.launch_stress(held.state, dt, 0, n)
-        self.viscosity.launch_force(held.state, dt, 0, n)
+        self.viscosity.launch_force(held.state, 0, n)
         return self.viscosity.force.numpy().astype(float)
 
 

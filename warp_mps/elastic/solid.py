@@ -107,7 +107,7 @@ class Solid:
             launch(self.state, 0, self._n)
         if self.viscosity:
             self.viscosity.launch_stress(self.state, 0.0, 0, self._n)
-            self.viscosity.launch_force(self.state, 0.0, 0, self._n)
+            self.viscosity.launch_force(self.state, 0, self._n)
         if self.contacts:
             self._touch(self.contacts)
         self.outside.push(self.state.force, self._mass)
@@ -142,9 +142,11 @@ class Solid:
         passes = [Phase(name, functools.partial(launch, state), splits=True) for name, launch in self.model.passes]
         if viscosity:
             # the first needs no more than the stresses of the particle itself, the second what the forces waited for
-            damped = [functools.partial(launch, state, self._dt) for launch in viscosity.launches]
-            names = ("viscous stress", "viscous force")
-            viscous = [Phase(name, launch, True, True) for name, launch in zip(names, damped, strict=True)]
+            launches = {
+                "viscous stress": functools.partial(viscosity.launch_stress, state, self._dt),
+                "viscous force": functools.partial(viscosity.launch_force, state),
+            }
+            viscous = [Phase(name, launch, splits=True, follows=True) for name, launch in launches.items()]
             passes = [phase for pair in zip(passes, viscous, strict=True) for phase in pair]
         phases += passes
         if contacts:

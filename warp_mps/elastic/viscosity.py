@@ -1,6 +1,5 @@
 """Kelvin-Voigt damping on a given set of particles: its constants, and the launches that use them."""
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -14,8 +13,6 @@ from warp_mps.elastic.state import ElasticState
 from warp_mps.elastic.viscous import viscous_kernels
 from warp_mps.particles import Particles
 from warp_mps.scene import Scene
-
-ViscousPass = Callable[[ElasticState, float, int, int], None]
 
 
 class Viscosity:
@@ -33,27 +30,20 @@ class Viscosity:
         lame, mu = times * np.array(constants)[particles.materials].T
         self._tau_lame, self._tau_mu = (wp.array(values, dtype=kit.real, device=device) for values in (lame, mu))
         self._tau_kappa = wp.array(times * model.kappa.numpy(), dtype=kit.real, device=device)
-        self._rate = wp.zeros(particles.count, dtype=kit.mat, device=device)
-        self._pull = wp.zeros(particles.count, dtype=kit.mat, device=device)
+        self._matrices = [wp.zeros(particles.count, dtype=kit.mat, device=device) for _ in range(3)]
         self._u_before = wp.zeros(particles.count, dtype=kit.vec, device=device)
         self.force = wp.zeros(particles.count, dtype=kit.vec, device=device)
-
-    @property
-    def launches(self) -> tuple[ViscousPass, ViscousPass]:
-        """What goes with the model's two passes: after its stresses, and after its forces."""
-        return self.launch_stress, self.launch_force
 
     def launch_stress(self, state: ElasticState, dt: float, first: int, count: int) -> None:
         """Viscous stresses, after the elastic ones; `dt` is 0 before the first step, when nothing has moved yet."""
         model = self._model
         constants = [*model.operators(), self._tau_lame, self._tau_mu, self._tau_kappa]
         inputs = [first, dt, *constants, model.gradient, state.u, state.v]
-        wp.launch(self._kernels.viscous_stress, count, inputs, [self._rate, self._pull], device=self._device)
+        wp.launch(self._kernels.viscous_stress, count, inputs, self._matrices, device=self._device)
 
-    def launch_force(self, state: ElasticState, dt: float, first: int, count: int) -> None:
+    def launch_force(self, state: ElasticState, first: int, count: int) -> None:
         """Add the viscous forces to those of the model, and to what is dissipated what they take out in a step."""
-        constants = [*self._model.operators()[:4], self._tau_kappa]
-        inputs = [first, dt, *constants, self._model.gradient, state.u, state.v, self._rate, self._pull]
+        inputs = [first, *self._model.operators()[:4], state.u, state.v, *self._matrices]
         outputs = [self._u_before, self.force, state.force, state.dissipated]
         wp.launch(self._kernels.viscous_force, count, inputs, outputs, device=self._device)
 

@@ -19,6 +19,9 @@ its end. E and c have grown by exactly dt E' and dt c' if the factors beside F' 
 move, F - dt/2 F' and e - dt/2 e': so a step of a rigid rotation gives no force, however large. The rates lag by half a
 step, which those of an explicit step have to; a mode's frequency is off by a part of the order of tau omega^2 dt.
 
+The control's part is F c' = G e + N e' with G = F F'^T, N = F (F - dt/2 F')^T - dt/2 G, e = u_ij - H X_ij and
+e' = v_ij - F' X_ij, so that it takes three matrices a particle: G and N, times tau kappa, and a part of D.
+
 References:
     Christensen, R. M., Theory of Viscoelasticity, 2nd ed., section 1.6 (the Kelvin solid).
     Belytschko, T., Liu, W. K. and Moran, B., Nonlinear Finite Elements, chapter 6 (the stable explicit step).
@@ -39,13 +42,6 @@ def viscous_kernels(kit: Kit) -> SimpleNamespace:
     """Kernels `viscous_stress` and `viscous_force`."""
     real, vec, mat = kit.real, kit.vec, kit.mat
 
-    @kit.func(METHOD)
-    def control_rate(h: mat, rate: mat, x: vec, du: vec, dv: vec, half: real) -> vec:
-        """Rate c' of a pair: F'^T e + F^T e' in the middle of the step, `half` of it ago."""
-        e_rate = dv - rate * x
-        e = du - h * x - half * e_rate
-        return wp.transpose(rate) * e + e_rate + wp.transpose(h - half * rate) * e_rate
-
     @kit.kernel(METHOD)
     def viscous_stress(
         # Model:
@@ -65,10 +61,11 @@ def viscous_kernels(kit: Kit) -> SimpleNamespace:
         u: wp.array(dtype=vec),
         v: wp.array(dtype=vec),
         # State out:
-        rate_out: wp.array(dtype=mat),
+        stiffness_out: wp.array(dtype=mat),
+        damping_out: wp.array(dtype=mat),
         pull_out: wp.array(dtype=mat),
     ):
-        """F'_i and D_i."""
+        """G_i, N_i and D_i - G_i H_i - N_i F'_i."""
         i = first + wp.tid()
         u_i = u[i]
         v_i = v[i]
@@ -81,32 +78,39 @@ def viscous_kernels(kit: Kit) -> SimpleNamespace:
         h = gradient[i]
         f = h + one
         half = real(0.5) * dt
-        growth = wp.transpose(f - half * rate) * rate
+        middle = f - half * rate
+        growth = wp.transpose(middle) * rate
         s = tau_mu[i] * (growth + wp.transpose(growth)) + (tau_lame[i] * wp.trace(growth)) * one
-        control = mat()
+        # sums of e (x) e and e (x) e', by pairs: e is small beside u_ij where the body has turned
+        squares = mat()
+        mixed = mat()
         for k in range(start[i], start[i + 1]):
             j = index[k]
             e = u[j] - u_i - h * bond[k]
-            c_rate = control_rate(h, rate, bond[k], u[j] - u_i, v[j] - v_i, half)
-            control += wp.outer(weight[k] * e, c_rate)
-        rate_out[i] = rate
-        pull_out[i] = (volume[i] * (f * s) + tau_kappa[i] * control) * inverse
+            squares += wp.outer(weight[k] * e, e)
+            mixed += wp.outer(weight[k] * e, v[j] - v_i - rate * bond[k])
+        control = (squares - half * mixed) * rate + mixed * middle
+        kappa_f = tau_kappa[i] * f
+        stiffness = kappa_f * wp.transpose(rate)
+        damping = kappa_f * wp.transpose(middle) - half * stiffness
+        stiffness_out[i] = stiffness
+        damping_out[i] = damping
+        pull = (volume[i] * (f * s) + tau_kappa[i] * control) * inverse
+        pull_out[i] = pull - stiffness * h - damping * rate
 
     @kit.kernel(METHOD)
     def viscous_force(
         # Model:
         first: wp.int32,
-        dt: real,
         start: wp.array(dtype=wp.int32),
         index: wp.array(dtype=wp.int32),
         bond: wp.array(dtype=vec),
         weight: wp.array(dtype=real),
-        tau_kappa: wp.array(dtype=real),
         # State in:
-        gradient: wp.array(dtype=mat),
         u: wp.array(dtype=vec),
         v: wp.array(dtype=vec),
-        rate: wp.array(dtype=mat),
+        stiffness: wp.array(dtype=mat),
+        damping: wp.array(dtype=mat),
         pull: wp.array(dtype=mat),
         # State in and out:
         u_before: wp.array(dtype=vec),
@@ -122,22 +126,15 @@ def viscous_kernels(kit: Kit) -> SimpleNamespace:
         i = first + wp.tid()
         u_i = u[i]
         v_i = v[i]
-        h_i = gradient[i]
-        rate_i = rate[i]
+        stiffness_i = stiffness[i]
+        damping_i = damping[i]
         pull_i = pull[i]
-        kappa_i = tau_kappa[i]
-        half = real(0.5) * dt
         total = vec()
         for k in range(start[i], start[i + 1]):
             j = index[k]
-            x = bond[k]
-            du = u[j] - u_i
-            dv = v[j] - v_i
-            h_j = gradient[j]
-            # the neighbour's own c'_ji is that of x_ji = -x_ij
-            c_i = kappa_i * control_rate(h_i, rate_i, x, du, dv, half)
-            c_j = tau_kappa[j] * control_rate(h_j, rate[j], x, du, dv, half)
-            total += weight[k] * ((pull_i + pull[j]) * x + c_i + h_i * c_i + c_j + h_j * c_j)
+            of_bond = (pull_i + pull[j]) * bond[k]
+            of_control = (stiffness_i + stiffness[j]) * (u[j] - u_i) + (damping_i + damping[j]) * (v[j] - v_i)
+            total += weight[k] * (of_bond + of_control)
         work = wp.float64(wp.dot(viscous[i] + total, u_i - u_before[i]))
         dissipated[i] = dissipated[i] - wp.float64(0.5) * work
         u_before[i] = u_i
