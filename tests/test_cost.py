@@ -9,6 +9,8 @@ import pytest
 from tests.scenes import beam
 from warp_mps.cost import estimate, refuse_too_large
 from warp_mps.errors import InputError
+from warp_mps.scene import Wall
+from warp_mps.shapes import Box
 from warp_mps.simulation import Simulation
 
 
@@ -26,3 +28,13 @@ def test_memory_is_refused_when_there_is_not_enough() -> None:
     with pytest.raises(InputError, match=r"body 'beam' spacing: 1e-08 m makes 3.2e\+13 particles; the run needs about"):
         refuse_too_large(fine)
     refuse_too_large(scene)
+
+
+def test_walls_are_counted() -> None:
+    floor = Wall(name="floor", shape=Box((0.2, 0.02), (0.08, -0.03)), spacing=0.01, path="/World/floor")
+    scene = beam(4, walls=(floor,), duration=0.01)
+    assert estimate(scene).particles == {**estimate(beam(4)).particles, "floor": 40}
+    assert estimate(scene).seconds == estimate(beam(4, duration=0.01)).seconds
+    assert estimate(scene).memory > estimate(beam(4)).memory
+    with pytest.raises(InputError, match="/World/floor spacing: 1e-08 m makes"):
+        refuse_too_large(replace(scene, walls=(replace(floor, spacing=1e-8),)))
