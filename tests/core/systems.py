@@ -78,7 +78,9 @@ def laplacian(shape: tuple[int, ...], *, reach: float = 2.1, surface: bool = Tru
     return System(positions, weights, diagonal, active, b * active)
 
 
-def on_device(system: System, device: str = "cpu", *, spare: int = 0, singular: bool | None = None) -> Matrix:
+def on_device(
+    system: System, *, spare: int = 0, singular: bool | None = None, real: type = wp.float64, device: str = "cpu"
+) -> Matrix:
     """The matrix of a system, with some rows to spare, which hold numbers that would be noticed."""
 
     def rows(values: np.ndarray, dtype: type, beyond: float) -> wp.array:
@@ -90,8 +92,8 @@ def on_device(system: System, device: str = "cpu", *, spare: int = 0, singular: 
         first=rows(start[:-1], wp.int32, 0),
         count=rows(np.diff(start), wp.int32, 3),
         index=wp.array(system.weights.indices, dtype=wp.int32, device=device),
-        value=wp.array(system.weights.data, dtype=wp.float64, device=device),
-        diagonal=rows(system.diagonal, wp.float64, 7.0),
+        value=wp.array(system.weights.data, dtype=real, device=device),
+        diagonal=rows(system.diagonal, real, 7.0),
         active=rows(system.active, wp.int32, 1),
         singular=None if singular is None else wp.array([int(singular)], dtype=wp.int32, device=device),
     )

@@ -209,6 +209,26 @@ def test_graph_and_eager_give_the_same_bits() -> None:
         np.testing.assert_array_equal(x.numpy(), expected)
 
 
+@pytest.mark.parametrize("multilevel", [False, True])
+def test_entries_in_single_precision_leave_the_solution_in_double(multilevel: bool) -> None:
+    """The residual falls far below what single precision can tell apart."""
+    system = laplacian((50, 40))
+    # 24 bits are enough for these
+    weights = system.weights.copy()
+    weights.data = np.round(weights.data * 2**12) / 2**12
+    diagonal = np.asarray(weights.sum(axis=1)).ravel()
+    rounded = System(system.positions, weights, diagonal, system.active, system.b)
+    numbers = kit(2, "float32")
+    points = wp.array(system.positions, dtype=numbers.vec, device="cpu")
+    domain = {"low": np.zeros(2), "high": np.array((50.0, 40.0)), "reach": 2.1}
+    preconditioner = Multilevel(points, **domain, kit=numbers, device="cpu") if multilevel else None
+    solver = ConjugateGradient(system.n, kit=numbers, device="cpu", tolerance=1e-11, preconditioner=preconditioner)
+    x = vector(np.zeros(system.n))
+    solver.solve(on_device(rounded, real=wp.float32), vector(system.b), x)
+    assert solver.read_statistics().stagnated == 0
+    assert rounded.residual(x.numpy()) <= 1.01e-11
+
+
 def test_moving_particles_are_followed() -> None:
     """The same preconditioner at new positions is as good as one made for them."""
     system = laplacian((40, 30))
