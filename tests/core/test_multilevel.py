@@ -15,7 +15,8 @@ from tests.core.systems import System, laplacian, on_device
 from warp_mps.core.device import open_device
 from warp_mps.core.kit import kit
 from warp_mps.core.multilevel import SCALE, Multilevel, declare_kernels
-from warp_mps.core.multilevel_kernels import multilevel_kernels
+from warp_mps.core.multilevel_cells import cell_kernels
+from warp_mps.core.multilevel_particles import particle_kernels
 from warp_mps.core.solver import ConjugateGradient, Statistics
 
 
@@ -135,7 +136,7 @@ def test_interpolation_is_linear_and_collecting_is_its_transpose(dimension: int)
     system = laplacian((14, 12, 10)[:dimension], surface=False)
     multilevel = make_multilevel(system)
     as_matrix(multilevel, system)
-    level, kernels = multilevel._levels[0], multilevel_kernels(kit(dimension))
+    level, kernels = multilevel._levels[0], particle_kernels(kit(dimension))
     dims = np.array([level.dims[axis] for axis in range(dimension)])
     axes = np.meshgrid(*[2.1 * (np.arange(length) + 0.5) for length in dims], indexing="ij")
     slope = np.array([2.0, -1.0, 0.5])[:dimension]
@@ -249,5 +250,6 @@ def test_every_kernel_compiles_for_cuda(dimension: int, precision: str, tmp_path
     for module in declare_kernels(numbers):
         wp.compile_aot_module(module, arch=80, module_dir=tmp_path, use_ptx=True)
     code = "".join(file.read_text() for file in tmp_path.glob("*.ptx"))
-    names = vars(multilevel_kernels(numbers))
-    assert [name for name in names if f".entry multilevel_kernels__locals__{name}_" not in code] == []
+    for make in (particle_kernels, cell_kernels):
+        names = vars(make(numbers))
+        assert [name for name in names if f".entry {make.__name__}__locals__{name}_" not in code] == []

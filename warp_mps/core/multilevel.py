@@ -25,7 +25,9 @@ import numpy as np
 import warp as wp
 
 from warp_mps.core.kit import Kit
-from warp_mps.core.multilevel_kernels import METHOD, multilevel_kernels
+from warp_mps.core.multilevel_cells import cell_kernels
+from warp_mps.core.multilevel_grid import METHOD, cell_type, corner_type
+from warp_mps.core.multilevel_particles import particle_kernels
 from warp_mps.core.solver import Matrix
 
 # Stiffness of a linear field over that of its piecewise constant image in cells as wide as the effective radius:
@@ -46,7 +48,7 @@ class Level:
 
     def __init__(self, dims: np.ndarray, *, kit: Kit, device: Any) -> None:
         self.size = int(np.prod(dims))
-        self.dims = wp.types.vector(length=kit.dimension, dtype=wp.int32)(*[int(length) for length in dims])
+        self.dims = cell_type(kit)(*[int(length) for length in dims])
         # the first axis runs fastest, both through the cells and through the offsets to the cells around one
         strides = [int(np.prod(dims[:axis])) for axis in reversed(range(kit.dimension))]
         steps = [int(np.dot(offset, strides)) for offset in itertools.product((-1, 0, 1), repeat=kit.dimension)]
@@ -82,7 +84,7 @@ class Multilevel:
         self, positions: wp.array, *, low: np.ndarray, high: np.ndarray, reach: float, kit: Kit, device: Any
     ) -> None:
         self._device, self._positions = device, positions
-        self._kernels = multilevel_kernels(kit)
+        self._cells, self._particles = cell_kernels(kit), particle_kernels(kit)
         self._n = len(positions)
         extent = np.asarray(high, dtype=float) - np.asarray(low, dtype=float)
         width = reach
@@ -103,7 +105,7 @@ class Multilevel:
     def _allocate(self, kit: Kit) -> None:
         n, device, dims = self._n, self._device, self._levels[0].dims
         self._sums = int(np.prod([dims[axis] + 1 for axis in range(kit.dimension)]))
-        shares = wp.types.vector(length=2**kit.dimension, dtype=wp.float64)
+        shares = corner_type(kit)
         # sorting takes room for two copies
         self._bin = wp.zeros(2 * n, dtype=wp.int32, device=device)
         self._order = wp.zeros(2 * n, dtype=wp.int32, device=device)
@@ -115,47 +117,47 @@ class Multilevel:
 
     def prepare(self, matrix: Matrix, inverse: wp.array) -> None:
         """Launch the sorting of the unknowns into cells, and the matrices of all levels."""
-        kernels, levels, self._inverse = self._kernels, self._levels, inverse
+        particles, levels, top = self._particles, self._levels, self._levels[0]
+        self._inverse = inverse
         outputs = [self._bin, self._order, self._between, self._cell, self._weight]
-        self._launch(kernels.locate, self._n, [*self._box, self._bins, inverse, self._positions], outputs)
+        self._launch(particles.locate, self._n, [*self._box, self._bins, inverse, self._positions], outputs)
         wp.utils.radix_sort_pairs(self._bin, self._order, self._n, end_bit=self._bins.bit_length())
-        self._launch(kernels.find_starts, self._bins + 1, [self._n, self._bin], [self._start])
+        self._launch(particles.find_starts, self._bins + 1, [self._n, self._bin], [self._start])
         rows = [matrix.first, matrix.count, matrix.index, matrix.value, matrix.diagonal]
-        inputs = [levels[0].dims, self._scale, *rows, self._start, self._order, self._cell]
-        self._launch(kernels.gather, levels[0].size, inputs, levels[0].matrix)
-        self._launch(kernels.spread, self._sums, [levels[0].dims, levels[0].diagonal], [self._corner_sums])
-        self._launch(kernels.weigh_again, self._n, [inverse, self._between, self._corner_sums], [self._weight])
+        inputs = [top.dims, self._scale, *rows, self._start, self._order, self._cell]
+        self._launch(particles.gather, top.size, inputs, top.matrix)
+        self._launch(particles.spread, self._sums, [top.dims, top.diagonal], [self._corner_sums])
+        self._launch(particles.weigh_again, self._n, [inverse, self._between, self._corner_sums], [self._weight])
         for fine, coarse in itertools.pairwise(levels):
             inputs = [fine.dims, coarse.dims, fine.coupling, fine.excess]
-            self._launch(kernels.coarsen, coarse.size, inputs, coarse.matrix)
+            self._launch(self._cells.coarsen, coarse.size, inputs, coarse.matrix)
 
     def apply(self, r: wp.array, z: wp.array) -> None:
         """Launch z = z + P V P^T r."""
-        kernels, top = self._kernels, self._levels[0]
+        particles, top, sums = self._particles, self._levels[0], self._corner_sums
         inputs = [top.dims, self._start, self._order, self._weight, r]
-        self._launch(kernels.collect_particles, self._sums, inputs, [self._corner_sums])
-        self._launch(kernels.collect_corners, top.size, [top.dims, top.diagonal, self._corner_sums], [top.r, top.e])
-        corrected = self._cycle(0)
-        self._launch(kernels.spread, self._sums, [top.dims, corrected], [self._corner_sums])
-        inputs = [self._inverse, self._between, self._weight, self._corner_sums]
-        self._launch(kernels.interpolate_particles, self._n, inputs, [z])
+        self._launch(particles.collect_particles, self._sums, inputs, [sums])
+        self._launch(particles.collect_corners, top.size, [top.dims, top.diagonal, sums], [top.r, top.e])
+        self._launch(particles.spread, self._sums, [top.dims, self._cycle(0)], [sums])
+        inputs = [self._inverse, self._between, self._weight, sums]
+        self._launch(particles.interpolate_particles, self._n, inputs, [z])
 
     def _cycle(self, k: int) -> wp.array:
         """Launch the V-cycle from level k on, whose first sweep has been made, and return its solution."""
-        kernels, level = self._kernels, self._levels[k]
+        level = self._levels[k]
         if k == len(self._levels) - 1:
             e, spare = level.e, level.spare
             for _ in range(COARSEST_SWEEPS):
-                self._launch(kernels.sweep, level.size, [*level.rows, level.r, e], [spare])
+                self._launch(self._cells.sweep, level.size, [*level.rows, level.r, e], [spare])
                 e, spare = spare, e
             return e
         coarse = self._levels[k + 1]
-        self._launch(kernels.find_residual, level.size, [*level.rows, level.r, level.e], [level.spare])
+        self._launch(self._cells.find_residual, level.size, [*level.rows, level.r, level.e], [level.spare])
         inputs = [level.dims, coarse.dims, coarse.diagonal, level.spare]
-        self._launch(kernels.collect_cells, coarse.size, inputs, [coarse.r, coarse.e])
+        self._launch(self._cells.collect_cells, coarse.size, inputs, [coarse.r, coarse.e])
         inputs = [level.dims, coarse.dims, level.diagonal, self._cycle(k + 1)]
-        self._launch(kernels.interpolate_cells, level.size, inputs, [level.e])
-        self._launch(kernels.sweep, level.size, [*level.rows, level.r, level.e], [level.spare])
+        self._launch(self._cells.interpolate_cells, level.size, inputs, [level.e])
+        self._launch(self._cells.sweep, level.size, [*level.rows, level.r, level.e], [level.spare])
         return level.spare
 
     def _launch(self, kernel: Any, n: int, inputs: list[Any], outputs: list[Any]) -> None:
@@ -164,5 +166,6 @@ class Multilevel:
 
 def declare_kernels(kit: Kit) -> list[str]:
     """Declare the preconditioner's kernels, and return the names of their modules."""
-    multilevel_kernels(kit)
+    particle_kernels(kit)
+    cell_kernels(kit)
     return [kit.module(METHOD)]
