@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from tests.scenes import beam
+from tests.scenes import HAMILTONIAN, beam
 from warp_mps.cost import estimate, refuse_too_large
 from warp_mps.errors import InputError
 from warp_mps.scene import Wall
@@ -38,3 +38,10 @@ def test_walls_are_counted() -> None:
     assert estimate(scene).memory > estimate(beam(4)).memory
     with pytest.raises(InputError, match="/World/floor spacing: 1e-08 m makes"):
         refuse_too_large(replace(scene, walls=(replace(floor, spacing=1e-8),)))
+
+
+def test_damping_of_the_material_costs_time() -> None:
+    plain = beam(4, duration=0.01, elasticity=HAMILTONIAN, time_step=1e-6)
+    body = plain.bodies[0]
+    damped = replace(plain, bodies=(replace(body, material=replace(body.material, retardation_time=1e-6)),))
+    assert estimate(damped).seconds > 2.0 * estimate(plain).seconds

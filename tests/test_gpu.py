@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from tests.elastic.test_viscosity import viscous
 from tests.scenes import HAMILTONIAN, SPRINGS, block, scene_of
 from warp_mps.scene import Contact, Scene
 from warp_mps.shapes import Box
@@ -45,6 +46,20 @@ def test_the_gpu_computes_what_the_cpu_computes(dimension: int, model: str) -> N
     assert cpu.energy.contact + cpu.energy.elastic > 0.0
     np.testing.assert_allclose(gpu.positions, cpu.positions, rtol=0.0, atol=1e-10)
     assert gpu.energy.total == pytest.approx(cpu.energy.total, rel=1e-9)
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_damping_and_stresses_are_those_of_the_cpu(dimension: int) -> None:
+    scene = viscous(collision(dimension, "hamiltonian"), 1e-5)
+    runs = [Simulation(scene, device=device) for device in ("cpu", "cuda:0")]
+    for simulation in runs:
+        simulation.advance(500)
+    cpu, gpu = runs
+    assert cpu.energy.dissipated > 0.0
+    assert gpu.energy.dissipated == pytest.approx(cpu.energy.dissipated, rel=1e-9)
+    for name in ("stresses", "strains", "von_mises", "strain_energy_densities"):
+        values = getattr(cpu, name)
+        np.testing.assert_allclose(getattr(gpu, name), values, rtol=0.0, atol=1e-8 * np.abs(values).max())
 
 
 @pytest.mark.parametrize("precision", ["float64", "float32"])

@@ -14,6 +14,8 @@ from warp_mps.scene import Scene
 
 # seconds a particle-step and neighbour on one CPU core, as the benchmark measures it (2-D, 3-D)
 SECONDS_PER_PAIR = {"springs": {2: 12e-9, 3: 28e-9}, "hamiltonian": {2: 7e-9, 3: 9e-9}}
+# times as long with a retardation time
+VISCOUS = {2: 2.6, 3: 3.7}
 # bytes that a particle and a pair take at most (2-D, 3-D); a block of a million particles was measured to need 0.7 GB
 # in 2-D and 1.8 GB in 3-D, where these figures give 1.1 and 2.4
 BYTES_PER_PARTICLE = {2: 600, 3: 900}
@@ -54,6 +56,9 @@ def estimate(scene: Scene) -> Cost:
     total = sum(particles.values())
     elastic = sum(particles[body.name] for body in scene.bodies)
     neighbours = lattice_neighbours(scene.dimension, scene.elasticity.effective_radius)
+    per_pair = SECONDS_PER_PAIR[scene.elasticity.model][scene.dimension]
+    if any(material.retardation_time for material in scene.materials):
+        per_pair *= VISCOUS[scene.dimension]
     return Cost(
         particles=particles,
         neighbours=neighbours,
@@ -61,7 +66,7 @@ def estimate(scene: Scene) -> Cost:
         steps=clock.steps,
         frames=clock.steps // clock.frame_every + 1,
         memory=memory_of(scene, total),
-        seconds=elastic * clock.steps * neighbours * SECONDS_PER_PAIR[scene.elasticity.model][scene.dimension],
+        seconds=elastic * clock.steps * neighbours * per_pair,
     )
 
 

@@ -269,6 +269,7 @@ def big(count: int = 20_000) -> Particles:
     zeros = np.zeros(count)
     return Particles(
         elastic=count,
+        liquid=0,
         names=("cloud",),
         ranges=np.array([[0, count]]),
         positions=np.zeros((count, 2)),
