@@ -19,7 +19,7 @@ class Clock:
     """Time step and schedule of a run.
 
     Attributes:
-        dt: Time step [s].
+        dt: Time step [s]; of fluids, the interval between two samples.
         steps: Number of steps of the run.
         frame_every: Steps between saved frames.
         sample_every: Steps between rows of probes.csv.
@@ -30,6 +30,21 @@ class Clock:
     """
 
     def __init__(self, scene: Scene) -> None:
+        frame = 1.0 / scene.frame_rate
+        samples = max(1, round((scene.sample_rate or scene.frame_rate) / scene.frame_rate))
+        if scene.fluids:
+            # a step of a run is an interval between two samples, which takes as many steps of the fluid as it needs
+            self.dt_limit, self.sample_every, self.dt = math.inf, 1, frame / samples
+        else:
+            self._divide(scene, frame, samples)
+        self.frame_every = samples * self.sample_every
+        self.steps = max(1, math.ceil(_count(scene, scene.duration, self.dt, "duration") - 1e-6))
+        # the same as steps of dt but for rounding: frames are then at 0.2 s, not at 0.19999999999999998
+        given = scene.time_step is not None and not scene.fluids
+        self._rate = None if given else self.frame_every * scene.frame_rate
+
+    def _divide(self, scene: Scene, frame: float, samples: int) -> None:
+        """Find the time step of elastic bodies, of which a whole number fits between two samples."""
         crossing = min(
             body.spacing / pressure_wave_speed(material, scene.dimension, scene.plane)
             for body in scene.bodies
@@ -39,8 +54,6 @@ class Clock:
         slower = math.sqrt(max(1.0, scene.contact.stiffness))
         crossing /= slower
         self.dt_limit = min(stable_time_step(body, scene) for body in scene.bodies) / slower
-        frame = 1.0 / scene.frame_rate
-        samples = max(1, round((scene.sample_rate or scene.frame_rate) / scene.frame_rate))
         if scene.time_step is None:
             step = min(scene.courant * crossing, SAFETY * self.dt_limit)
             self.sample_every = max(1, math.ceil(_count(scene, frame / samples, step, "frame_rate")))
@@ -48,10 +61,6 @@ class Clock:
         else:
             self.sample_every = max(1, round(_count(scene, frame / samples, scene.time_step, "time_step")))
             self.dt = scene.time_step
-        self.frame_every = samples * self.sample_every
-        self.steps = max(1, math.ceil(_count(scene, scene.duration, self.dt, "duration") - 1e-6))
-        # the same as steps of dt but for rounding: frames are then at 0.2 s, not at 0.19999999999999998
-        self._rate = None if scene.time_step else self.frame_every * scene.frame_rate
 
     def time(self, step: int) -> float:
         """Time after so many steps [s]."""

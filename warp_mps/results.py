@@ -41,6 +41,7 @@ class RunSummary:
         energy: Energies at the end and ``drift``; see :func:`energy_record`.
         momentum_error: Largest resultant of the internal forces in a frame since then, as a part of the largest sum of
             their magnitudes [-].
+        fluid: Of fluids, particles lost and what the pressure solve did; see `Simulation.fluid_record`.
         measurements: Results; see :func:`measurement_rows`.
     """
 
@@ -58,6 +59,7 @@ class RunSummary:
     particle_steps_per_second: dict[str, float | None] = field(default_factory=dict)
     energy: dict[str, float | None] = field(default_factory=dict)
     momentum_error: float | None = None
+    fluid: dict[str, float] = field(default_factory=dict)
     measurements: list[dict[str, Any]] = field(default_factory=list)
 
     def write(self, path: str | Path) -> None:

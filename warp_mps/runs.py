@@ -69,9 +69,9 @@ def run_scene(
     progress = Progress(every=1, quiet=quiet)
     announce = None if quiet else _say
     simulation = Simulation(scene, device=device, precision=precision, threads=threads, announce=announce)
-    clock = simulation.clock
-    if clock.dt > clock.dt_limit:
-        _say(f"the time step of {clock.dt:.4g} s is above the limit of {clock.dt_limit:.4g} s: expect an unstable run")
+    longest, limit = simulation.longest_step
+    if longest > limit:
+        _say(f"the time step of {longest:.4g} s is above the limit of {limit:.4g} s: expect an unstable run")
     if checkpoint is not None:
         simulation.restore(checkpoint.arrays)
         if simulation.step > simulation.total_steps:
@@ -90,6 +90,7 @@ class _Run:
     def __init__(self, simulation: Simulation, folder: Path, progress: Progress, *, resumed: bool) -> None:
         scene, particles, clock = simulation.scene, simulation.particles, simulation.clock
         self._simulation, self._folder = simulation, folder
+        self._first_step = simulation.steps_done
         progress.every = clock.sample_every
 
         def last_kept(every: int) -> float | None:
@@ -140,41 +141,45 @@ class _Run:
             RunError: The run had to be stopped, or a file can no longer be written.
             KeyboardInterrupt: It was interrupted.
         """
-        begin, first = time.perf_counter(), self._simulation.step
+        begin = time.perf_counter()
         try:
             self._summary.write(self._folder / SUMMARY)
             self._simulation.run(self._observers)
-            self._finish("done", "", begin, first)
+            self._finish("done", "", begin)
         except OSError as error:
             reason = f"{error.filename}: cannot be written: {error.strerror}"
-            self._give_up(reason, begin, first)
+            self._give_up(reason, begin)
             raise RunError(reason) from error
         except KeyboardInterrupt:
             kept = (self._folder / checkpoint_file.NAME).exists()
-            self._give_up("interrupted" + "; continue with --resume" * kept, begin, first)
+            self._give_up("interrupted" + "; continue with --resume" * kept, begin)
             raise
         except BaseException as error:
-            self._give_up(str(error) if isinstance(error, RunError) else repr(error), begin, first)
+            self._give_up(str(error) if isinstance(error, RunError) else repr(error), begin)
             raise
         return self._summary
 
-    def _give_up(self, reason: str, begin: float, first: int) -> None:
+    def _give_up(self, reason: str, begin: float) -> None:
         """Say why in run.json, if that can still be written: the first error counts."""
         with contextlib.suppress(OSError):
-            self._finish("failed", reason, begin, first)
+            self._finish("failed", reason, begin)
 
-    def _finish(self, status: str, reason: str, begin: float, first: int) -> None:
+    def _finish(self, status: str, reason: str, begin: float) -> None:
         simulation, history = self._simulation, self._probes.history
         wall = time.perf_counter() - begin
-        done = (simulation.step - first) * simulation.particles.elastic
+        particles, steps = simulation.particles, simulation.steps_done - self._first_step
+        done = {"solid": steps * particles.elastic, "fluid": steps * particles.liquid}
         self._summary = replace(
             self._summary,
             status=status,
             reason=reason,
-            steps=simulation.step,
+            steps=simulation.steps_done,
             time=simulation.time,
             wall_seconds=wall,
-            particle_steps_per_second={"solid": done / wall if wall > 0.0 else None, "fluid": None},
+            particle_steps_per_second={
+                kind: count / wall if wall > 0.0 and count else None for kind, count in done.items()
+            },
+            fluid=simulation.fluid_record(),
             energy=energy_record(history),
             momentum_error=self._momentum.error,
             measurements=measurement_rows(simulation.scene, history),

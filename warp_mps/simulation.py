@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 import itertools
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -16,6 +16,11 @@ from warp_mps.errors import InputError, RunError
 from warp_mps.observers.base import Observer, closing
 from warp_mps.particles import Particles, fill_scene
 from warp_mps.scene import Scene
+from warp_mps.system import System
+
+if TYPE_CHECKING:
+    from warp_mps.elastic.solid import Solid
+    from warp_mps.fluid.fluids import Fluids
 
 # steps in a graph that is replayed as one: long enough that the launch from Python does not count
 BLOCK = 32
@@ -52,10 +57,8 @@ class Simulation:
         announce: Callable[[str], None] | None = None,
     ) -> None:
         # Warp is imported with the first simulation, not with the package
-        from warp_mps.core.device import load_modules, open_device
+        from warp_mps.core.device import open_device
         from warp_mps.core.kit import PRECISIONS, kit
-        from warp_mps.elastic.solid import Solid, declare_kernels
-        from warp_mps.rigid.poses import declare_rigid
 
         if threads < 1:
             raise InputError("", "threads", f"is {threads}, must be 1 or more")
@@ -64,23 +67,63 @@ class Simulation:
         self._device = open_device(device)
         if threads > 1 and not self._device.is_cpu:
             raise InputError("", "threads", f"is {threads} on {device}; threads are for the CPU device")
+        if threads > 1 and scene.fluids:
+            raise InputError("", "threads", f"is {threads}; fluids take one")
         self.scene = scene
         self.precision = precision
         self.clock = Clock(scene)
         self.particles: Particles = fill_scene(scene)
         self.step = 0
         numbers = kit(scene.dimension, precision)
-        modules = declare_kernels(numbers)
-        if scene.walls:
-            modules.append(declare_rigid(numbers))
-        load_modules(modules, self._device, announce)
-        self.solid = Solid(scene, self.particles, dt=self.clock.dt, kit=numbers, device=self._device)
-        self.solid.start()
+        self._system: System = self._make_system(numbers, graphs, announce)
+        self._system.start()
         self._graphs: dict[int, Any] = {}
         self._threads = threads
         self._team = self._make_team() if threads > 1 else None
         self._use_graphs = graphs
         self._seen: dict[str, Any] = {}
+
+    def _make_system(self, numbers: Any, graphs: bool, announce: Callable[[str], None] | None) -> Any:
+        """The scene's elastic bodies or its fluids, with their kernels loaded."""
+        from warp_mps.core.device import load_modules
+        from warp_mps.elastic.solid import Solid, declare_kernels
+        from warp_mps.fluid import fluids
+        from warp_mps.rigid.poses import declare_rigid
+
+        if self.scene.fluids:
+            load_modules(fluids.declare_kernels(numbers), self._device, announce)
+            return fluids.Fluids(self.scene, self.particles, kit=numbers, device=self._device, graphs=graphs)
+        modules = declare_kernels(numbers)
+        if self.scene.walls:
+            modules.append(declare_rigid(numbers))
+        load_modules(modules, self._device, announce)
+        return Solid(self.scene, self.particles, dt=self.clock.dt, kit=numbers, device=self._device)
+
+    @property
+    def solid(self) -> Solid:
+        """The elastic bodies.
+
+        Raises:
+            TypeError: The scene has none.
+        """
+        from warp_mps.elastic.solid import Solid
+
+        if not isinstance(self._system, Solid):
+            raise TypeError(f"the scene {self.scene.name!r} has no elastic bodies")
+        return self._system
+
+    @property
+    def fluids(self) -> Fluids:
+        """The fluids.
+
+        Raises:
+            TypeError: The scene has none.
+        """
+        from warp_mps.fluid.fluids import Fluids
+
+        if not isinstance(self._system, Fluids):
+            raise TypeError(f"the scene {self.scene.name!r} has no fluids")
+        return self._system
 
     @property
     def device(self) -> str:
@@ -102,6 +145,31 @@ class Simulation:
         """Number of steps of the whole run."""
         return self.clock.steps
 
+    @property
+    def steps_done(self) -> int:
+        """Number of time steps done, of fluids those within the intervals."""
+        return int(self.fluids.state.steps.numpy()[0]) if self.scene.fluids else self.step
+
+    @property
+    def longest_step(self) -> tuple[float, float]:
+        """The longest time step that may be taken, and what is stable [s]."""
+        if self.scene.fluids:
+            return self.scene.time_step or self.fluids.step_limit, self.fluids.step_limit
+        return self.clock.dt, self.clock.dt_limit
+
+    def fluid_record(self) -> dict[str, float]:
+        """Of fluids, the particles lost, and the pressure solves: iterations, true residual, those that failed."""
+        if not self.scene.fluids:
+            return {}
+        done = self.fluids.statistics()
+        return {
+            "lost": self.fluids.lost(),
+            "pressure_iterations": done.iterations / max(done.solves, 1),
+            "most_pressure_iterations": done.most_iterations,
+            "worst_pressure_residual": done.worst_residual,
+            "unsolved": done.stagnated + done.exhausted,
+        }
+
     def advance(self, steps: int) -> None:
         """Advance by a number of time steps.
 
@@ -111,7 +179,7 @@ class Simulation:
             RuntimeError: An earlier failure within a step has ended the threads; `restore` starts new ones.
         """
         self._seen.clear()
-        blocks, rest = divmod(steps, BLOCK)
+        blocks, rest = divmod(steps, BLOCK) if not self.scene.fluids else (0, steps)
         for block in itertools.chain(itertools.repeat(BLOCK, blocks), itertools.repeat(1, rest)):
             with hold_interrupts():
                 self._replay(block)
@@ -139,7 +207,7 @@ class Simulation:
     @property
     def displacements(self) -> np.ndarray:
         """Displacements u = x - X [m], shape [n, d]."""
-        return self._once("u", lambda: self._host(self.solid.state.u))
+        return self._once("u", self._system.displacements)
 
     @property
     def positions(self) -> np.ndarray:
@@ -149,32 +217,37 @@ class Simulation:
     @property
     def velocities(self) -> np.ndarray:
         """Velocities [m/s], shape [n, d]."""
-        return self._once("v", lambda: self._host(self.solid.state.v))
+        return self._once("v", self._system.velocities)
 
     @property
     def rotations(self) -> np.ndarray:
         """Rotation vectors [rad], shape [n, 1] in 2-D and [n, 3] in 3-D."""
-        return self._once("q", self.solid.rotations)
+        return self._once("q", self._system.rotations)
 
     @property
     def angular_velocities(self) -> np.ndarray:
         """Angular velocities of the particles' own rotation [rad/s], shape [n, 1] in 2-D and [n, 3] in 3-D."""
-        return self._once("omega", self.solid.angular_velocities)
+        return self._once("omega", self._system.angular_velocities)
 
     @property
     def pressures(self) -> np.ndarray:
         """Pressures [Pa], shape [n]."""
-        return self._once("p", self.solid.pressures)
+        return self._once("p", self._system.pressures)
+
+    @property
+    def number_densities(self) -> np.ndarray:
+        """Number densities of fluids in units of a full lattice's, else 1 [-], shape [n]."""
+        return self._once("n", self._system.number_densities)
 
     @property
     def stresses(self) -> np.ndarray:
         """Cauchy stresses along the scene's axes [Pa], shape [n, 3, 3]; see `warp_mps.elastic.stresses`."""
-        return self._once("stress", self.solid.stress_fields).stresses
+        return self._once("stress", self._system.stress_fields).stresses
 
     @property
     def strains(self) -> np.ndarray:
         """Green-Lagrange strains along the scene's axes [-], shape [n, 3, 3]."""
-        return self._once("stress", self.solid.stress_fields).strains
+        return self._once("stress", self._system.stress_fields).strains
 
     @property
     def von_mises(self) -> np.ndarray:
@@ -186,17 +259,17 @@ class Simulation:
     @property
     def strain_energy_densities(self) -> np.ndarray:
         """Strain energy per reference volume [J/m^3], shape [n]."""
-        return self._once("density", self.solid.energy_densities)
+        return self._once("density", self._system.energy_densities)
 
     @property
     def contact_forces(self) -> np.ndarray:
         """Contact forces on the particles [N], shape [n, d]."""
-        return self._once("contact", lambda: self._host(self.solid.state.contact))
+        return self._once("contact", self._system.contact_forces)
 
     @property
     def internal_forces(self) -> np.ndarray:
         """Elastic and contact forces: the total force less weight and loads [N], shape [n, d]."""
-        return self._once("internal", self.solid.internal_forces)
+        return self._once("internal", self._system.internal_forces)
 
     @property
     def elastic_forces(self) -> np.ndarray:
@@ -206,35 +279,38 @@ class Simulation:
     @property
     def elastic_torques(self) -> np.ndarray:
         """Elastic torques on the particles' own rotation [N m], shape [n, 1] in 2-D and [n, 3] in 3-D."""
-        return self._once("torques", self.solid.elastic_torques)
+        return self._once("torques", self._system.elastic_torques)
 
     @property
     def reactions(self) -> np.ndarray:
         """Forces that the supports exert on the particles [N], shape [n, d]."""
-        return self._once("reactions", self.solid.reactions)
+        return self._once("reactions", self._system.reactions)
 
     @property
     def energy(self) -> Energy:
         """Energies of all particles [J], in 2-D [J/m]."""
-        return self._once("energy", self.solid.energy)
+        return self._once("energy", self._system.energy)
 
     def state_arrays(self) -> dict[str, np.ndarray]:
         """Everything that evolves, as host copies; `restore` continues from them to the same bits."""
-        return {"step": np.array(self.step), **self.solid.arrays()}
+        return {"step": np.array(self.step), **self._system.arrays()}
 
     def restore(self, arrays: dict[str, np.ndarray]) -> None:
         """Continue from arrays that `state_arrays` gave in a simulation of the same scene."""
         if self._team and self._team.closed:
             self._team = self._make_team()
         self._seen.clear()
-        self.solid.assign(arrays)
+        self._system.assign(arrays)
         self.step = int(arrays["step"])
 
     def _replay(self, steps: int) -> None:
         """Run some steps as one graph, captured when it is first needed."""
         import warp as wp
 
-        if self._team:
+        if self.scene.fluids:
+            for step in range(self.step, self.step + steps):
+                self.fluids.advance(self.clock.time(step + 1))
+        elif self._team:
             self._team.run(steps)
         elif self._use_graphs:
             if steps not in self._graphs:
@@ -270,13 +346,9 @@ class Simulation:
         return Team([tasks + [None] * (threads - len(tasks)) for tasks in sections], threads)
 
     def _show(self, observers: Sequence[Observer]) -> None:
-        contacts = self.solid.contacts
-        # before the observers, so that nothing is recorded of a state that lacks contact forces
-        if contacts and (particle := contacts.overflowed()) is not None:
-            raise RunError(
-                f"particle {self.particles.ids[particle]} at t = {self.time:.6g} s meets more particles of other "
-                "bodies than a contact can hold: the bodies are crushed into each other; stiffen the contact"
-            )
+        # before the observers, so that nothing is recorded of a state that is not one
+        if (trouble := self._system.trouble()) is not None:
+            raise RunError(f"at t = {self.time:.6g} s: {trouble}")
         last = self.step == self.total_steps
         for observer in observers:
             if last or self.step % observer.every == 0:
@@ -286,7 +358,3 @@ class Simulation:
         if name not in self._seen:
             self._seen[name] = evaluate()
         return self._seen[name]
-
-    @staticmethod
-    def _host(array: Any) -> np.ndarray:
-        return np.array(array.numpy(), dtype=float)

@@ -22,7 +22,7 @@ def lattice_number_density(dimension: int, effective_radius: float) -> float:
         dimension: 2 or 3.
         effective_radius: Effective radius in units of the spacing [-].
     """
-    return float(np.sum(weight(_lattice_distances(dimension, effective_radius), effective_radius)))
+    return float(np.sum(weight(lattice_distances(dimension, effective_radius), effective_radius)))
 
 
 def lattice_neighbours(dimension: int, effective_radius: float) -> int:
@@ -32,10 +32,10 @@ def lattice_neighbours(dimension: int, effective_radius: float) -> int:
         dimension: 2 or 3.
         effective_radius: Effective radius in units of the spacing [-].
     """
-    return int(np.sum(_lattice_distances(dimension, effective_radius) < effective_radius * REACH_TOLERANCE))
+    return int(np.sum(lattice_distances(dimension, effective_radius) < effective_radius * REACH_TOLERANCE))
 
 
-def _lattice_distances(dimension: int, effective_radius: float) -> np.ndarray:
+def lattice_distances(dimension: int, effective_radius: float) -> np.ndarray:
     """Distances to all other points of a lattice about one of its points, in spacings."""
     reach = np.arange(-int(effective_radius) - 1, int(effective_radius) + 2)
     offsets = np.stack(np.meshgrid(*[reach] * dimension, indexing="ij"), axis=-1).reshape(-1, dimension)

@@ -87,7 +87,7 @@ class Solid:
         self.contacts = Contacts(scene, particles, kit=kit, device=device) if needs_contact(scene, particles) else None
         # a wall is moved whatever acts on it: it has no inertia, no weight and no energy
         self._masses = np.where(np.arange(particles.count) < self._n, particles.masses, 0.0)
-        self._damping = scene.damping
+        self._damping, self._ids = scene.damping, particles.ids
         self._gravity = kit.vec(*scene.gravity) if len(scene.gravity) else kit.vec()
         self._mass = wp.array(self._masses, dtype=kit.real, device=device)
         inverse_mass = ~self.outside.held / particles.masses[:, None]
@@ -184,6 +184,31 @@ class Solid:
             potential=float(potential),
             work=self.outside.work() + (self.walls.work() if self.walls else 0.0),
             dissipated=float(np.sum(state.dissipated.numpy().astype(float))),
+        )
+
+    def displacements(self) -> np.ndarray:
+        """Displacements u = x - X [m], shape [n, d]."""
+        return self.state.u.numpy().astype(float)
+
+    def velocities(self) -> np.ndarray:
+        """Velocities [m/s], shape [n, d]."""
+        return self.state.v.numpy().astype(float)
+
+    def contact_forces(self) -> np.ndarray:
+        """Contact forces on the particles [N], shape [n, d]."""
+        return self.state.contact.numpy().astype(float)
+
+    def number_densities(self) -> np.ndarray:
+        """1, for nothing here is a fluid [-], shape [n]."""
+        return np.ones(len(self.state.u))
+
+    def trouble(self) -> str | None:
+        """Why the run cannot go on, if it cannot: a contact lacks room."""
+        if not self.contacts or (particle := self.contacts.overflowed()) is None:
+            return None
+        return (
+            f"particle {self._ids[particle]} meets more particles of other bodies than a contact can hold: the bodies "
+            "are crushed into each other; stiffen the contact"
         )
 
     def reactions(self) -> np.ndarray:

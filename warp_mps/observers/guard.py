@@ -56,6 +56,7 @@ class Guard:
         energy = view.energy
         if self._start is None:
             self._start = energy.balance
+            self._largest = _slack(view)
         self._largest = max(self._largest, energy.exchanged, abs(energy.work))
         self._potential = max(self._potential, abs(energy.potential))
         growth = energy.balance - self._start
@@ -74,6 +75,16 @@ class Guard:
 
     def _cause(self) -> str:
         return f"the time step of {self._time_step:.3g} s is probably too large"
+
+
+def _slack(view: View) -> float:
+    """Energy that a fluid at rest may wander by: its particles settle by parts of a spacing."""
+    particles = view.particles
+    if not particles.liquid:
+        return 0.0
+    fluid = slice(particles.count - particles.liquid, None)
+    gravity = float(np.linalg.norm(view.scene.gravity)) if len(view.scene.gravity) else 0.0
+    return gravity * float(np.sum(particles.masses[fluid] * particles.spacings[fluid])) / ALLOWED_GROWTH
 
 
 def _describe(view: View, index: int) -> str:

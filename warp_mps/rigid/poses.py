@@ -138,7 +138,7 @@ class Poses:
 def moving_runs(scene: Scene, particles: Particles) -> list[tuple[int, int]]:
     """First particle and number of particles of the moving walls, those that follow each other as one."""
     runs: list[tuple[int, int]] = []
-    for wall, (first, last) in zip(scene.walls, particles.ranges[particles.elastic_bodies :].tolist(), strict=True):
+    for wall, (first, last) in zip(scene.walls, particles.ranges[particles.elastic_bodies :].tolist(), strict=False):
         if wall.moves:
             before = runs.pop() if runs and sum(runs[-1]) == first else (first, 0)
             runs.append((before[0], last - before[0]))

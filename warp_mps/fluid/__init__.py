@@ -1,0 +1,1 @@
+"""Incompressible fluids with a free surface, by the semi-implicit MPS method."""

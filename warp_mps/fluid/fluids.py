@@ -1,0 +1,302 @@
+"""The fluids of a scene on a device, between its walls: one step of them, and what can be asked of them."""
+
+import math
+from typing import Any
+
+import numpy as np
+import warp as wp
+
+from warp_mps.core.kit import Kit
+from warp_mps.core.multilevel import Multilevel
+from warp_mps.core.multilevel import declare_kernels as declare_multilevel
+from warp_mps.core.solver import ConjugateGradient, Matrix
+from warp_mps.core.solver import declare_kernels as declare_solver
+from warp_mps.errors import InputError
+from warp_mps.fluid.gradient import gradient_kernels
+from warp_mps.fluid.lists import METHOD, SKIN, NeighbourLists, list_kernels
+from warp_mps.fluid.motion import motion_kernels
+from warp_mps.fluid.operators import operators
+from warp_mps.fluid.pressure import CONSERVATIVE, CORRECTED, KOSHIZUKA_OKA, pressure_kernels
+from warp_mps.fluid.readings import FluidReadings
+from warp_mps.fluid.state import FluidState, initial_state
+from warp_mps.particles import Particles
+from warp_mps.rigid.poses import Poses, declare_rigid, moving_runs
+from warp_mps.scene import Scene
+
+SCHEMES = {"conservative": CONSERVATIVE, "corrected": CORRECTED, "koshizuka_oka": KOSHIZUKA_OKA}
+# explicit viscosity is stable up to this many l0^2 / nu (0.25 in 2-D is the limit of central differences)
+VISCOUS_STEP = 0.125
+# particles that one thread goes through when a maximum is sought
+CHUNK = 512
+# steps after which the particles are put in the order of the cells that they have come to
+SORT_EVERY = 100
+MAX_ITERATIONS = 2000
+
+
+def declare_kernels(kit: Kit) -> list[str]:
+    """Declare every kernel that fluids need, and return the names of their modules."""
+    for declare in (list_kernels, pressure_kernels, gradient_kernels, motion_kernels):
+        declare(kit)
+    return [kit.module(METHOD), *declare_solver(kit), *declare_multilevel(kit), declare_rigid(kit)]
+
+
+class Fluids(FluidReadings):
+    """The fluids of a scene and the walls that hold them.
+
+    A step is the same Python whether it is run eagerly or captured: it reads nothing back and allocates nothing. Its
+    length is found on the device, so that an interval takes as many steps as the fastest particle asks for.
+
+    Args:
+        scene: The case.
+        particles: Its particles; walls come first, fluids last.
+        kit: Number types.
+        device: Warp device.
+        graphs: Whether steps are replayed as graphs.
+    """
+
+    def __init__(self, scene: Scene, particles: Particles, *, kit: Kit, device: Any, graphs: bool = True) -> None:
+        self._particles, self._device, self._graphs, self._d = particles, device, graphs, kit.dimension
+        self._m = particles.liquid
+        self._walls = particles.count - self._m
+        fluid, flow = scene.fluids[0], scene.flow
+        self._spacing, self._density, self._viscosity = fluid.spacing, fluid.liquid.density, fluid.liquid.viscosity
+        self.operators = operators(kit.dimension, fluid.spacing, flow.effective_radius)
+        self._gravity_host = np.asarray(scene.gravity if len(scene.gravity) else np.zeros(kit.dimension), float)
+        self._gravity = kit.vec(*self._gravity_host)
+        self._scheme = SCHEMES[flow.scheme]
+        self._clip = int(flow.negative_pressure == "clipped")
+        self._shifts = int(self._scheme == CORRECTED or (self._scheme == CONSERVATIVE and not self._clip))
+        self._volume = fluid.spacing**kit.dimension
+        self._low, self._high = _domain(scene, particles)
+        _refuse_narrow(scene, self._high - self._low, self.operators.radius + SKIN * fluid.spacing)
+        self.lists = NeighbourLists(
+            particles.count, walls=self._walls, low=self._low, high=self._high, periodic=flow.periodic,
+            radius=self.operators.radius, spacing=fluid.spacing, neighbours=self.operators.neighbours,
+            kit=kit, device=device,
+        )  # fmt: skip
+        n0 = self.operators.number_density
+        self.state: FluidState = initial_state(particles, self.lists.x_listed, n0, kit=kit, device=device)
+        self.step_limit = step_limit(scene, particles)
+        self._longest = min(self.step_limit, scene.time_step or math.inf)
+        self._courant = flow.courant
+        self._kit = kit
+        self._kernels = (pressure_kernels(kit), gradient_kernels(kit), motion_kernels(kit))
+        self._allocate(scene, flow.tolerance)
+        self._graph: Any = None
+        self._velocities_before, self._interval = particles.velocities, math.inf
+
+    def _allocate(self, scene: Scene, tolerance: float) -> None:
+        """Arrays that a step works in, the solver, and the walls' poses."""
+        kit, device, m, n = self._kit, self._device, self._m, self._particles.count
+
+        def zeros(length: int, kind: Any) -> wp.array:
+            return wp.zeros(length, dtype=kind, device=device)
+
+        width = self.lists.listed.shape[1]
+        self._matrix = Matrix(
+            rows=wp.array([m], dtype=wp.int32, device=device),
+            first=zeros(m, wp.int32), count=zeros(m, wp.int32), index=zeros(m * width, wp.int32),
+            value=zeros(m * width, kit.real), diagonal=zeros(m, kit.real), active=zeros(m, wp.int32),
+            singular=zeros(1, wp.int32),
+        )  # fmt: skip
+        self._rhs = zeros(m, wp.float64)
+        x = self._particles.positions
+        preconditioner = Multilevel(
+            self.state.x[self._walls :], low=np.maximum(x.min(axis=0), self._low),
+            high=np.minimum(x.max(axis=0), self._high), reach=self.operators.radius, kit=kit, device=device,
+        )  # fmt: skip
+        self._solver = ConjugateGradient(
+            m, kit=kit, device=device, tolerance=tolerance, max_iterations=MAX_ITERATIONS, preconditioner=preconditioner
+        )
+        self._du, self._shift = zeros(m, kit.vec), zeros(m, kit.vec)
+        self._acceleration = zeros(n, kit.vec)
+        self._turn, self._least = zeros(m, kit.mat), zeros(m, kit.real)
+        self._floors = zeros(-(-m // CHUNK), wp.float64)
+        self._speeds = zeros(-(-n // CHUNK), kit.real)
+        self._dt, self._target, self._time_after = (zeros(1, wp.float64) for _ in range(3))
+        self._left = zeros(1, wp.int32)
+        self._poses = Poses(scene, kit=kit, device=device) if self._walls else None
+        self._runs = moving_runs(scene, self._particles)
+        self._wall = wp.array(self._particles.walls, dtype=wp.int32, device=device)
+        self._reference = wp.array(
+            self._particles.positions, dtype=wp.types.vector(length=self._d, dtype=wp.float64), device=device
+        )
+        stick = np.array([wall.slip == "no" for wall in scene.walls] or [False])[self._particles.walls]
+        stick |= self._particles.walls < 0
+        self._sticks = wp.array(stick.astype(np.int32), dtype=wp.int32, device=device)
+
+    def start(self) -> None:
+        """Find the neighbours of the initial state."""
+        self._place(self.state.time)
+        self.lists.renew(self.state.x, self.state.lost)
+
+    def advance(self, time: float) -> int:
+        """Advance to a time [s], and return the number of steps that it took."""
+        before = float(self.state.time.numpy()[0])
+        self._target.assign([time])
+        self.state.impulse.zero_()
+        first = int(self.state.steps.numpy()[0])
+        self._velocities_before, self._interval = self.velocities(), time - before
+        while True:
+            self._launch_step()
+            if int(self._left.numpy()[0]) <= 1:
+                break
+        steps = int(self.state.steps.numpy()[0])
+        self.state.forces.assign(self.state.impulse.numpy() / self._interval)
+        if steps // SORT_EVERY > first // SORT_EVERY:
+            self._sort()
+        return steps - first
+
+    def _launch_step(self) -> None:
+        if not self._graphs:
+            self.step()
+            return
+        if self._graph is None:
+            with wp.ScopedCapture(device=self._device) as capture:
+                self.step()
+            self._graph = capture.graph
+        wp.capture_launch(self._graph)
+
+    def step(self) -> None:
+        """Advance by one step towards the target time."""
+        self._plan()
+        self._predict()
+        self._place(self._time_after)
+        self.lists.update(self.state.x, self.state.lost)
+        self._solve()
+        self._correct()
+        _, _, motion = self._kernels
+        self._launch(motion.tick, 1, [self._time_after], [self.state.time, self.state.steps])
+
+    def _plan(self) -> None:
+        state, motion = self.state, self._kernels[2]
+        self._launch(motion.fastest, len(self._speeds), [CHUNK, state.u], [self._speeds])
+        inputs = [self._longest, self._courant * self._spacing, self._speeds, self._target, state.time]
+        self._launch(motion.plan, 1, inputs, [self._dt, self._left, self._time_after])
+
+    def _predict(self) -> None:
+        state, motion, lists = self.state, self._kernels[2], self.lists
+        if self._viscosity > 0.0:
+            factor = self._viscosity * self.operators.laplacian
+            inputs = [self._walls, lists.period, self.operators.radius, factor, self._sticks, *self._listed()]
+            self._launch(motion.viscosity, len(state.x), [*inputs, state.x, state.u], [self._acceleration])
+        mass = self._density * self._volume
+        inputs = [self._walls, self._gravity, mass, self._dt, self._acceleration, state.lost]
+        self._launch(motion.predict, len(state.x), inputs, [state.x, state.u, state.impulse])
+
+    def _place(self, time: wp.array) -> None:
+        """Place the moving walls."""
+        if self._runs and self._poses:
+            self._poses.evaluate(time)
+            for first, count in self._runs:
+                state = self.state
+                self._poses.place(first, count, self._wall, self._reference, state.x, state.u, state.a)
+
+    def _solve(self) -> None:
+        """Pressures that keep the fluid's density."""
+        state, ops, matrix = self.state, self.operators, self._matrix
+        pressure = self._kernels[0]
+        assert matrix.singular is not None
+        matrix.singular.fill_(1)
+        numbers = [ops.radius, self._spacing, ops.number_density, float(ops.neighbours), ops.divergence, ops.laplacian]
+        inputs = [
+            self._walls, self._scheme, self.lists.period, *numbers, self._density, self._gravity, self._relaxation,
+            *self._listed(), self._dt, state.x, state.u, state.a, state.carried,
+        ]  # fmt: skip
+        rows = [matrix.first, matrix.count, matrix.index, matrix.value, matrix.diagonal, matrix.active]
+        self._launch(pressure.assemble, self._m, inputs, [state.p, state.n, *rows, self._rhs, matrix.singular])
+        self._solver.solve(matrix, self._rhs, state.p)
+        self._launch(pressure.least, len(self._floors), [CHUNK, state.p], [self._floors])
+        self._launch(pressure.lift, self._m, [self._clip, matrix.singular, self._floors], [state.p])
+
+    @property
+    def _relaxation(self) -> float:
+        """Time in which the density is restored, and the load on surface particles is smoothed [s]."""
+        g = float(np.linalg.norm(self._gravity_host))
+        return math.sqrt(self._spacing / g) if g > 0.0 else 50.0 * self._longest
+
+    def _correct(self) -> None:
+        """Velocities and positions by the pressure, then collisions and shifts."""
+        state, ops, lists, mass = self.state, self.operators, self.lists, self._density * self._volume
+        _, gradient, motion = self._kernels
+        head = [self._scheme, self._clip, lists.period, ops.radius, ops.gradient, self._density]
+        inputs = [self._walls, *head, self._gravity, self._relaxation, *self._listed(), self._dt, state.x, state.a]
+        outputs = [state.carried, self._turn, self._least, self._du]
+        self._launch(gradient.push, self._m, [*inputs, state.p], outputs)
+        inputs = [self._walls, *head, self._volume, self._gravity, *self._listed(), self._dt, state.x, state.u]
+        inputs += [state.a, state.p, self._turn, self._least]
+        self._launch(gradient.push_walls, self._walls, inputs, [state.impulse, state.work])
+        self._launch(motion.apply, self._m, [self._walls, self._dt, self._du], [state.x, state.u])
+        inputs = [self._walls, lists.period, ops.radius, self._spacing, ops.number_density, self._shifts]
+        inputs += [*self._listed(), state.x, state.u, state.n]
+        self._launch(motion.collide, self._m, inputs, [self._du, self._shift])
+        inputs = [lists.period, self._spacing, mass, *self._listed(), state.x, state.u]
+        self._launch(motion.collide_walls, self._walls, inputs, [state.impulse, state.work])
+        low, high = self._kit.vec(*self._low), self._kit.vec(*self._high)
+        inputs = [self._walls, low, high, lists.period, self._dt, self._du, self._shift]
+        self._launch(motion.finish, self._m, inputs, [state.x, state.u, state.lost])
+
+    def _sort(self) -> None:
+        """Put the fluid's particles in the order of the cells that they are in: what is near is then near in memory."""
+        state, w = self.state, self._walls
+        x = state.x.numpy()[w:].astype(float)
+        cells = np.floor((x - self._low) / (2.0 * self.operators.radius)).astype(np.int64)
+        new = np.lexsort((*x.T[::-1], *cells.T[::-1]))
+        for array in (state.order, state.p, state.carried, state.n):
+            array.assign(array.numpy()[new])
+        for array in (state.x, state.u, state.lost):
+            values = array.numpy().copy()
+            values[w:] = values[w:][new]
+            array.assign(values)
+        self.lists.renew(state.x, state.lost)
+
+    def arrays(self) -> dict[str, np.ndarray]:
+        """Everything that evolves, for a checkpoint."""
+        return self.state.arrays()
+
+    def assign(self, arrays: dict[str, np.ndarray]) -> None:
+        """Continue from arrays that `arrays` gave: the lists are made where they were made then."""
+        present = arrays["x"]
+        self.state.assign({**arrays, "x": arrays["x_listed"]})
+        self.lists.renew(self.state.x, self.state.lost)
+        self.state.x.assign(present)
+        self._place(self.state.time)
+
+
+def step_limit(scene: Scene, particles: Particles) -> float:
+    """Longest time step that a fluid at rest may take [s].
+
+    A particle must not cross more than `courant` of a spacing in a step, at the speed of a fall through the fluid's
+    height or at its initial speed, and explicit viscosity must be stable.
+    """
+    part = slice(particles.count - particles.liquid, None)
+    x, u = particles.positions[part], particles.velocities[part]
+    fluid, flow = scene.fluids[0], scene.flow
+    limits = [0.05]
+    if len(scene.gravity) and np.any(scene.gravity):
+        fall = np.ptp(x @ np.asarray(scene.gravity, float)) + fluid.spacing * float(np.linalg.norm(scene.gravity))
+        limits.append(flow.courant * fluid.spacing / math.sqrt(2.0 * fall))
+    speed = float(np.sqrt((u**2).sum(axis=1).max()))
+    if speed > 0.0:
+        limits.append(flow.courant * fluid.spacing / speed)
+    if fluid.liquid.viscosity > 0.0:
+        limits.append(VISCOUS_STEP * fluid.spacing**2 / fluid.liquid.viscosity)
+    return min(limits)
+
+
+def _domain(scene: Scene, particles: Particles) -> tuple[np.ndarray, np.ndarray]:
+    """Lowest and highest corner of what is computed [m]; by default the particles' box, and its size about it."""
+    if scene.flow.domain is not None:
+        low, high = scene.flow.domain
+        return np.asarray(low, float), np.asarray(high, float)
+    low, high = particles.positions.min(axis=0), particles.positions.max(axis=0)
+    margin = max(float((high - low).max()), 10.0 * scene.fluids[0].spacing)
+    return low - margin, high + margin
+
+
+def _refuse_narrow(scene: Scene, size: np.ndarray, reach: float) -> None:
+    """Refuse a period in which a particle would see another one twice."""
+    for axis in scene.flow.periodic:
+        if size[axis] < 3.0 * reach:
+            reason = f"is {size[axis]:.4g} m long along a periodic axis; it must be at least {3.0 * reach:.4g} m"
+            raise InputError(scene.path, "domain", reason)

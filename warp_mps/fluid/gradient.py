@@ -1,0 +1,202 @@
+"""Pressure forces: of particles on each other, and of the fluid on the walls.
+
+Force per volume on particle i, with c = gradient * w/r^2 of each pair:
+
+    conservative:   -sum_j c (p_i + p_j) x_ij        equal and opposite; it also keeps particles evenly spaced
+    corrected:      -C_i sum_j c (p_j - p_i) x_ij    exact for linear fields, C_i the inverse of sum_j c x_ij x_ij
+    koshizuka_oka:  -sum_j c (p_j - p_min) x_ij      p_min the least pressure about i (Koshizuka & Oka 1996)
+
+The pressure of a wall's particle is that of the fluid particle that looks at it, plus rho (g - a) . x_ij, and never
+below 0. Where both pressures of a pair add up to a pull, which happens only if negative pressures are allowed, the
+conservative force takes p_j - p_i (Sun, Colagrossi, Marrone, Antuono & Zhang 2018), for a pull clusters particles.
+
+References:
+    Koshizuka, S. and Oka, Y., Nuclear Science and Engineering 123 (1996) 421.
+    Sun, P. N., et al., Computer Physics Communications 224 (2018) 63.
+"""
+
+import functools
+from types import SimpleNamespace
+
+import warp as wp
+
+from warp_mps.core.kit import Kit
+from warp_mps.fluid.lists import METHOD, list_kernels
+from warp_mps.fluid.pressure import CONSERVATIVE, CORRECTED, pressure_kernels
+
+# least determinant of the normalized moment matrix that is inverted: below, the neighbours lie too one-sided
+LEAST_DETERMINANT = 0.1
+# closest distance that a force sees, in effective radii: what is closer is two particles that collide
+CLOSEST = 0.02
+
+
+@functools.cache
+def gradient_kernels(kit: Kit) -> SimpleNamespace:
+    """Kernels `push`, `push_walls` and `wall_pressure`."""
+    real, vec, mat, d = kit.real, kit.vec, kit.mat, kit.dimension
+    vec64 = wp.types.vector(length=d, dtype=wp.float64)
+    apart, weight = list_kernels(kit).apart, pressure_kernels(kit).weight
+
+    @kit.func(METHOD)
+    def beyond(p_i: real, step: real, clip: wp.int32) -> real:
+        """Pressure of a wall's particle as seen from a fluid particle, a hydrostatic step away."""
+        p_j = p_i + step
+        if clip == 1:
+            p_j = wp.max(p_j, real(0.0))
+        return p_j
+
+    @kit.func(METHOD)
+    def pair(scheme: wp.int32, p_i: real, p_j: real, p_min: real) -> real:
+        """The pressure that a pair's force is made of."""
+        if scheme == wp.static(CONSERVATIVE):
+            if p_i + p_j >= real(0.0):
+                return p_i + p_j
+            return p_j - p_i
+        if scheme == wp.static(CORRECTED):
+            return p_j - p_i
+        return p_j - p_min
+
+    @kit.kernel(METHOD)
+    def push(
+        # Model:
+        walls: wp.int32,
+        scheme: wp.int32,
+        clip: wp.int32,
+        period: vec,
+        radius: real,
+        gradient: real,
+        density: real,
+        gravity: vec,
+        relaxation: real,
+        listed: wp.array(dtype=wp.int32, ndim=2),
+        count: wp.array(dtype=wp.int32),
+        # State in:
+        dt: wp.array(dtype=wp.float64),
+        x: wp.array(dtype=vec),
+        a: wp.array(dtype=vec),
+        p: wp.array(dtype=wp.float64),
+        # State in and out:
+        carried: wp.array(dtype=real),
+        # Out:
+        turn_out: wp.array(dtype=mat),
+        least_out: wp.array(dtype=real),
+        du_out: wp.array(dtype=vec),
+    ):
+        """Change of a fluid particle's velocity by the pressure over a step."""
+        k = wp.tid()
+        i = k + walls
+        x_i = x[i]
+        p_i = real(p[k])
+        p_min = p_i
+        if scheme > wp.static(CORRECTED):
+            for m in range(count[i]):
+                j = listed[i, m]
+                if j >= walls and wp.length(apart(x_i, x[j], period)) < radius:
+                    p_min = wp.min(p_min, real(p[j - walls]))
+        moments = mat()
+        total = vec()
+        for m in range(count[i]):
+            j = listed[i, m]
+            x_ij = apart(x_i, x[j], period)
+            r = wp.max(wp.length(x_ij), real(CLOSEST) * radius)
+            if r < radius:
+                c = gradient * weight(r, radius) / (r * r)
+                p_j = real(p[wp.max(j - walls, 0)])
+                if j < walls:
+                    p_j = beyond(p_i, density * wp.dot(gravity - a[j], x_ij), clip)
+                total += (c * pair(scheme, p_i, p_j, p_min)) * x_ij
+                if scheme == wp.static(CORRECTED):
+                    moments += c * wp.outer(x_ij, x_ij)
+        if scheme == wp.static(CORRECTED):
+            turn = wp.identity(n=wp.static(d), dtype=real)
+            if wp.determinant(moments) > real(LEAST_DETERMINANT):
+                turn = wp.inverse(moments)
+            total = turn * total
+            turn_out[k] = turn
+        least_out[k] = p_min
+        square = wp.dot(gravity, gravity)
+        if square > real(0.0):
+            share = wp.clamp(wp.dot(total, gravity) / (density * square), real(0.0), real(1.0))
+            rate = wp.min(real(dt[0]) / relaxation, real(1.0))
+            carried[k] = carried[k] + rate * (share - carried[k])
+        du_out[k] = (-real(dt[0]) / density) * total
+
+    @kit.kernel(METHOD)
+    def push_walls(
+        # Model:
+        walls: wp.int32,
+        scheme: wp.int32,
+        clip: wp.int32,
+        period: vec,
+        radius: real,
+        gradient: real,
+        density: real,
+        volume: real,
+        gravity: vec,
+        listed: wp.array(dtype=wp.int32, ndim=2),
+        count: wp.array(dtype=wp.int32),
+        # State in:
+        dt: wp.array(dtype=wp.float64),
+        x: wp.array(dtype=vec),
+        u: wp.array(dtype=vec),
+        a: wp.array(dtype=vec),
+        p: wp.array(dtype=wp.float64),
+        turn: wp.array(dtype=mat),
+        least: wp.array(dtype=real),
+        # State in and out:
+        impulse: wp.array(dtype=vec64),
+        work: wp.array(dtype=wp.float64),
+    ):
+        """Impulse on a wall's particle, the opposite of what it gives to the fluid in `push`, and the wall's work."""
+        j = wp.tid()
+        x_j = x[j]
+        total = vec()
+        for m in range(count[j]):
+            i = listed[j, m]
+            x_ij = apart(x[i], x_j, period)
+            r = wp.max(wp.length(x_ij), real(CLOSEST) * radius)
+            if r < radius:
+                c = gradient * weight(r, radius) / (r * r)
+                p_i = real(p[i - walls])
+                p_j = beyond(p_i, density * wp.dot(gravity - a[j], x_ij), clip)
+                force = (c * pair(scheme, p_i, p_j, least[i - walls])) * x_ij
+                if scheme == wp.static(CORRECTED):
+                    force = turn[i - walls] * force
+                total += force
+        gained = (dt[0] * wp.float64(volume)) * vec64(total)
+        impulse[j] = impulse[j] + gained
+        work[j] = work[j] - wp.dot(gained, vec64(u[j]))
+
+    @kit.kernel(METHOD)
+    def wall_pressure(
+        # Model:
+        walls: wp.int32,
+        period: vec,
+        radius: real,
+        density: real,
+        gravity: vec,
+        listed: wp.array(dtype=wp.int32, ndim=2),
+        count: wp.array(dtype=wp.int32),
+        # State in:
+        x: wp.array(dtype=vec),
+        a: wp.array(dtype=vec),
+        p: wp.array(dtype=wp.float64),
+        # Out:
+        p_out: wp.array(dtype=wp.float64),
+    ):
+        """Pressure of a wall's particle: the mean of what the fluid about it sees there."""
+        j = wp.tid()
+        x_j = x[j]
+        total = real(0.0)
+        weights = real(0.0)
+        for m in range(count[j]):
+            i = listed[j, m]
+            x_ij = apart(x[i], x_j, period)
+            w = weight(wp.length(x_ij), radius)
+            total += w * (real(p[i - walls]) + density * wp.dot(gravity - a[j], x_ij))
+            weights += w
+        if weights > real(0.0):
+            total = total / weights
+        p_out[j] = wp.float64(total)
+
+    return SimpleNamespace(push=push, push_walls=push_walls, wall_pressure=wall_pressure)

@@ -1,0 +1,180 @@
+"""Neighbour lists of moving particles, kept as long as they hold.
+
+They are found with `wp.HashGrid`, a margin beyond the effective radius, and made anew when a particle has moved by half
+of that margin. The grid is built over coordinates in units of its cells, so that along a periodic axis a whole number
+of cells fits the period: the grid's own wrapping then finds the neighbours across it.
+"""
+
+import functools
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import warp as wp
+
+from warp_mps.core.kit import Kit
+
+METHOD = "fluid"
+# margin beyond the effective radius, in particle spacings
+SKIN = 0.3
+# room for neighbours, in units of those in a full lattice with the margin
+ROOM = 1.6
+MOST_CELLS = {2: 4096, 3: 512}
+
+
+@functools.cache
+def list_kernels(kit: Kit) -> SimpleNamespace:
+    """Kernels `locate` and `search`, and the function `apart`."""
+    real, vec, vec3, d = kit.real, kit.vec, kit.vec3, kit.dimension
+
+    @kit.func(METHOD)
+    def apart(x_i: vec, x_j: vec, period: vec) -> vec:
+        """x_ij, the shortest where space is periodic (period above 0)."""
+        x = x_j - x_i
+        for axis in range(wp.static(d)):
+            if period[axis] > real(0.0):
+                x[axis] = x[axis] - period[axis] * wp.round(x[axis] / period[axis])
+        return x
+
+    @kit.kernel(METHOD)
+    def locate(
+        # Model:
+        low: vec,
+        cell: vec,
+        cells: vec,
+        margin: real,
+        # State in:
+        x: wp.array(dtype=vec),
+        x_listed: wp.array(dtype=vec),
+        # Out:
+        points_out: wp.array(dtype=vec3),
+        stale_out: wp.array(dtype=wp.int32),
+    ):
+        """Positions in cells, and whether any particle has moved by half of the margin since the last list."""
+        i = wp.tid()
+        point = vec3()
+        x_i = x[i]
+        for axis in range(wp.static(d)):
+            # a grid's cells are counted from 0: away from it, or rounding towards it would join two of them
+            point[axis] = (x_i[axis] - low[axis]) / cell[axis] + cells[axis]
+        points_out[i] = point
+        moved = x_i - x_listed[i]
+        if real(4.0) * wp.dot(moved, moved) > margin * margin:
+            stale_out[0] = 1
+
+    @kit.kernel(METHOD)
+    def search(
+        # Model:
+        grid: wp.uint64,
+        reach: real,
+        period: vec,
+        walls: wp.int32,
+        # State in:
+        points: wp.array(dtype=vec3),
+        x: wp.array(dtype=vec),
+        lost: wp.array(dtype=wp.int32),
+        # Out:
+        listed_out: wp.array(dtype=wp.int32, ndim=2),
+        count_out: wp.array(dtype=wp.int32),
+        x_listed_out: wp.array(dtype=vec),
+        overflow_out: wp.array(dtype=wp.int32),
+        stale_out: wp.array(dtype=wp.int32),
+    ):
+        """List the neighbours of a particle; walls, which come first, are none to each other."""
+        i = wp.tid()
+        n = wp.int32(0)
+        x_i = x[i]
+        if lost[i] == 0:
+            for j in wp.hash_grid_query(grid, points[i], real(1.0)):
+                near = j != i and (i >= walls or j >= walls) and lost[j] == 0
+                if near and wp.length(apart(x_i, x[j], period)) < reach:
+                    if n < listed_out.shape[1]:
+                        listed_out[i, n] = j
+                        n += 1
+                    else:
+                        overflow_out[0] = i + 1
+        count_out[i] = n
+        x_listed_out[i] = x_i
+        if i == 0:
+            stale_out[0] = 0
+
+    return SimpleNamespace(apart=apart, locate=locate, search=search)
+
+
+class NeighbourLists:
+    """The lists of a set of particles, of which the first ones are walls.
+
+    Attributes:
+        listed: Neighbours of each particle, int32 [n, room].
+        count: Number of neighbours of each particle, int32 [n].
+        x_listed: Positions at which the lists were made [m], vec [n].
+        period: Period along each axis [m], 0 where there is none.
+
+    Args:
+        count: Number of particles.
+        walls: Number of those that are walls, the first ones.
+        low: Lowest corner of the domain [m].
+        high: Its highest corner [m].
+        periodic: Its periodic axes.
+        radius: Effective radius [m].
+        spacing: Particle spacing [m].
+        neighbours: Neighbours within the effective radius in a full lattice.
+        kit: Number types.
+        device: Warp device.
+    """
+
+    def __init__(
+        self,
+        count: int,
+        *,
+        walls: int,
+        low: np.ndarray,
+        high: np.ndarray,
+        periodic: tuple[int, ...],
+        radius: float,
+        spacing: float,
+        neighbours: int,
+        kit: Kit,
+        device: Any,
+    ) -> None:
+        self._kernels, self._device, self._walls = list_kernels(kit), device, walls
+        d, self._margin = kit.dimension, SKIN * spacing
+        self._reach = radius + self._margin
+        size = np.asarray(high, float) - low
+        cells = np.clip(np.floor(size / self._reach), 1, MOST_CELLS[d])
+        wraps = np.isin(np.arange(d), periodic)
+        cell = np.where(wraps, size / cells, self._reach)
+        dims = [int(c) + (0 if wrap else 1) for c, wrap in zip(cells, wraps, strict=True)]
+        self._low, self._cell, self._cells = kit.vec(*low), kit.vec(*cell), kit.vec(*dims)
+        self.period = kit.vec(*np.where(wraps, size, 0.0))
+        self._grid = wp.HashGrid(*(*dims, 1)[:3], device=device, dtype=kit.real)
+        self._grid.reserve(count)
+        width = int(ROOM * neighbours * (self._reach / radius) ** d)
+        self._points = wp.zeros(count, dtype=kit.vec3, device=device)
+        self.x_listed = wp.zeros(count, dtype=kit.vec, device=device)
+        self.listed = wp.zeros((count, width), dtype=wp.int32, device=device)
+        self.count = wp.zeros(count, dtype=wp.int32, device=device)
+        self._stale = wp.zeros(1, dtype=wp.int32, device=device)
+        self._overflow = wp.zeros(1, dtype=wp.int32, device=device)
+
+    def renew(self, x: wp.array, lost: wp.array) -> None:
+        """Launch new lists, whether or not the old ones are stale."""
+        self._stale.fill_(1)
+        self.update(x, lost)
+
+    def update(self, x: wp.array, lost: wp.array) -> None:
+        """Launch new lists if a particle has moved far enough since they were made."""
+        inputs = [self._low, self._cell, self._cells, self._margin, x, self.x_listed]
+        wp.launch(self._kernels.locate, len(x), inputs, [self._points, self._stale], device=self._device)
+        wp.capture_if(self._stale, self._search, x=x, lost=lost)
+
+    def overflowed(self) -> int | None:
+        """A particle that has had more neighbours than the lists hold, if there was one."""
+        particle = int(self._overflow.numpy()[0])
+        return particle - 1 if particle else None
+
+    def _search(self, x: wp.array, lost: wp.array) -> None:
+        self._grid.build(self._points, 1.0)
+        inputs = [self._grid.id, self._reach, self.period, self._walls, self._points, x, lost]
+        outputs = [self.listed, self.count, self.x_listed, self._overflow, self._stale]
+        wp.launch(self._kernels.search, len(x), inputs, outputs, device=self._device)

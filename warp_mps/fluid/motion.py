@@ -1,0 +1,275 @@
+"""Motion of fluid particles: the predictor, collisions, shifting, and the clock of adaptive steps.
+
+A step goes u* = u + dt (viscosity + g), x* = x + dt u*, then by the pressure u = u* + du, x = x* + dt du. Two particles
+closer than `COLLISION` that approach each other collide, which the pressure alone does not prevent in violent flow.
+Where pressures may be negative, or gradients are not repulsive, particles are shifted against the gradient of their
+concentration (Lind, Xu, Stansby & Rogers 2012), away from the free surface.
+
+References:
+    Koshizuka, S. and Oka, Y., Nuclear Science and Engineering 123 (1996) 421.
+    Lind, S. J., Xu, R., Stansby, P. K. and Rogers, B. D., Journal of Computational Physics 231 (2012) 1499.
+"""
+
+import functools
+from types import SimpleNamespace
+
+import warp as wp
+
+from warp_mps.core.kit import Kit
+from warp_mps.fluid.lists import METHOD, list_kernels
+from warp_mps.fluid.pressure import SURFACE_DENSITY, pressure_kernels
+
+# distance below which particles collide [l0], and their coefficient of restitution
+COLLISION, RESTITUTION = 0.8, 0.2
+# closest distance that a shift sees [l0]
+CLOSEST = 0.05
+# shift per gradient of the concentration, and the largest shift of a step [l0]
+SHIFT, LARGEST_SHIFT = 0.1, 0.02
+
+
+@functools.cache
+def motion_kernels(kit: Kit) -> SimpleNamespace:
+    """Kernels `viscosity`, `predict`, `apply`, `collide`, `collide_walls`, `finish`, `fastest`, `plan` and `tick`."""
+    real, vec, d = kit.real, kit.vec, kit.dimension
+    vec64 = wp.types.vector(length=d, dtype=wp.float64)
+    apart, weight = list_kernels(kit).apart, pressure_kernels(kit).weight
+
+    @kit.func(METHOD)
+    def bounce(x_ij: vec, u_ij: vec, reach: real) -> vec:
+        """Change of the velocity of i, as if j were fixed, when the two collide."""
+        r = wp.length(x_ij)
+        if r >= reach or r == real(0.0):
+            return vec()
+        approach = wp.min(wp.dot(u_ij, x_ij) / r, real(0.0))
+        return (real(1.0 + RESTITUTION) * approach / r) * x_ij
+
+    @kit.kernel(METHOD)
+    def viscosity(
+        # Model:
+        walls: wp.int32,
+        period: vec,
+        radius: real,
+        factor: real,
+        sticks: wp.array(dtype=wp.int32),
+        listed: wp.array(dtype=wp.int32, ndim=2),
+        count: wp.array(dtype=wp.int32),
+        # State in:
+        x: wp.array(dtype=vec),
+        u: wp.array(dtype=vec),
+        # Out:
+        acceleration_out: wp.array(dtype=vec),
+    ):
+        """Viscous acceleration nu lap u, of walls and fluid alike; walls without slip hold the fluid back."""
+        i = wp.tid()
+        x_i = x[i]
+        u_i = u[i]
+        total = vec()
+        for m in range(count[i]):
+            j = listed[i, m]
+            if sticks[i] + sticks[j] == 2:
+                total += weight(wp.length(apart(x_i, x[j], period)), radius) * (u[j] - u_i)
+        acceleration_out[i] = factor * total
+
+    @kit.kernel(METHOD)
+    def predict(
+        # Model:
+        walls: wp.int32,
+        gravity: vec,
+        mass: wp.float64,
+        # State in:
+        dt: wp.array(dtype=wp.float64),
+        acceleration: wp.array(dtype=vec),
+        lost: wp.array(dtype=wp.int32),
+        # State out:
+        x_out: wp.array(dtype=vec),
+        u_out: wp.array(dtype=vec),
+        impulse_out: wp.array(dtype=vec64),
+    ):
+        """The predictor of the fluid, and the viscous impulse on the walls."""
+        i = wp.tid()
+        h = real(dt[0])
+        if i < walls:
+            impulse_out[i] = impulse_out[i] + (mass * dt[0]) * vec64(acceleration[i])
+        elif lost[i] == 0:
+            u = u_out[i] + h * (gravity + acceleration[i])
+            u_out[i] = u
+            x_out[i] = x_out[i] + h * u
+
+    @kit.kernel(METHOD)
+    def apply(
+        # Model:
+        walls: wp.int32,
+        # State in:
+        dt: wp.array(dtype=wp.float64),
+        du: wp.array(dtype=vec),
+        # State out:
+        x_out: wp.array(dtype=vec),
+        u_out: wp.array(dtype=vec),
+    ):
+        """Change the velocities of the fluid, and its positions with them."""
+        k = wp.tid()
+        i = k + walls
+        u_out[i] = u_out[i] + du[k]
+        x_out[i] = x_out[i] + real(dt[0]) * du[k]
+
+    @kit.kernel(METHOD)
+    def collide(
+        # Model:
+        walls: wp.int32,
+        period: vec,
+        radius: real,
+        spacing: real,
+        n0: real,
+        shifts: wp.int32,
+        listed: wp.array(dtype=wp.int32, ndim=2),
+        count: wp.array(dtype=wp.int32),
+        # State in:
+        x: wp.array(dtype=vec),
+        u: wp.array(dtype=vec),
+        n: wp.array(dtype=real),
+        # Out:
+        du_out: wp.array(dtype=vec),
+        shift_out: wp.array(dtype=vec),
+    ):
+        """Collisions of a fluid particle, and its shift where particles are shifted."""
+        k = wp.tid()
+        i = k + walls
+        x_i = x[i]
+        u_i = u[i]
+        reach = real(COLLISION) * spacing
+        du = vec()
+        slope = vec()
+        inside = n[k] >= real(SURFACE_DENSITY) * n0
+        for m in range(count[i]):
+            j = listed[i, m]
+            x_ij = apart(x_i, x[j], period)
+            jump = bounce(x_ij, u[j] - u_i, reach)
+            if j >= walls:
+                jump = real(0.5) * jump
+            du += jump
+            if shifts == 1:
+                r = wp.length(x_ij)
+                if r < radius:
+                    slope += (weight(r, radius) / (wp.max(r, real(CLOSEST) * spacing) * n0)) * x_ij
+                    if j >= walls:
+                        inside = inside and n[j - walls] >= real(SURFACE_DENSITY) * n0
+        du_out[k] = du
+        shift = vec()
+        if shifts == 1 and inside:
+            shift = (real(-SHIFT) * spacing) * slope
+            length = wp.length(shift)
+            if length > real(LARGEST_SHIFT) * spacing:
+                shift = (real(LARGEST_SHIFT) * spacing / length) * shift
+        shift_out[k] = shift
+
+    @kit.kernel(METHOD)
+    def collide_walls(
+        # Model:
+        period: vec,
+        spacing: real,
+        mass: real,
+        listed: wp.array(dtype=wp.int32, ndim=2),
+        count: wp.array(dtype=wp.int32),
+        # State in:
+        x: wp.array(dtype=vec),
+        u: wp.array(dtype=vec),
+        # State in and out:
+        impulse: wp.array(dtype=vec64),
+        work: wp.array(dtype=wp.float64),
+    ):
+        """Impulse on a wall's particle by collisions, and the wall's work."""
+        j = wp.tid()
+        total = vec()
+        for m in range(count[j]):
+            i = listed[j, m]
+            total += bounce(apart(x[i], x[j], period), u[j] - u[i], real(COLLISION) * spacing)
+        gained = -wp.float64(mass) * vec64(total)
+        impulse[j] = impulse[j] + gained
+        work[j] = work[j] - wp.dot(gained, vec64(u[j]))
+
+    @kit.kernel(METHOD)
+    def finish(
+        # Model:
+        walls: wp.int32,
+        low: vec,
+        high: vec,
+        period: vec,
+        # State in:
+        dt: wp.array(dtype=wp.float64),
+        du: wp.array(dtype=vec),
+        shift: wp.array(dtype=vec),
+        # State out:
+        x_out: wp.array(dtype=vec),
+        u_out: wp.array(dtype=vec),
+        lost_out: wp.array(dtype=wp.int32),
+    ):
+        """End a step: collisions and shifts, periods, and particles that have left the domain."""
+        k = wp.tid()
+        i = k + walls
+        if lost_out[i] == 1:
+            return
+        u = u_out[i] + du[k]
+        x = x_out[i] + real(dt[0]) * du[k] + shift[k]
+        for axis in range(wp.static(d)):
+            if period[axis] > real(0.0):
+                x[axis] = x[axis] - period[axis] * wp.floor((x[axis] - low[axis]) / period[axis])
+            elif not (x[axis] >= low[axis] and x[axis] <= high[axis]):
+                lost_out[i] = 1
+        if lost_out[i] == 1:
+            u = vec()
+        x_out[i] = x
+        u_out[i] = u
+
+    @kit.kernel(METHOD)
+    def fastest(chunk: wp.int32, u: wp.array(dtype=vec), fastest_out: wp.array(dtype=real)):
+        """Square of the largest speed of each chunk of particles."""
+        c = wp.tid()
+        value = real(0.0)
+        for i in range(c * chunk, wp.min((c + 1) * chunk, u.shape[0])):
+            value = wp.max(value, wp.dot(u[i], u[i]))
+        fastest_out[c] = value
+
+    @kit.kernel(METHOD)
+    def plan(
+        # Model:
+        limit: wp.float64,
+        reach: wp.float64,
+        # State in:
+        fastest: wp.array(dtype=real),
+        target: wp.array(dtype=wp.float64),
+        time: wp.array(dtype=wp.float64),
+        # Out:
+        dt_out: wp.array(dtype=wp.float64),
+        left_out: wp.array(dtype=wp.int32),
+        time_after_out: wp.array(dtype=wp.float64),
+    ):
+        """The next step: below the limits, and one of equal ones up to the target time."""
+        square = real(0.0)
+        for c in range(fastest.shape[0]):
+            square = wp.max(square, fastest[c])
+        longest = wp.min(limit, reach / wp.max(wp.sqrt(wp.float64(square)), wp.float64(1.0e-30)))
+        rest = target[0] - time[0]
+        steps = wp.max(wp.ceil(rest / longest - wp.float64(1.0e-9)), wp.float64(1.0))
+        dt_out[0] = rest / steps
+        left_out[0] = wp.int32(wp.min(steps, wp.float64(1.0e9)))
+        if steps == wp.float64(1.0):
+            time_after_out[0] = target[0]
+        else:
+            time_after_out[0] = time[0] + rest / steps
+
+    @kit.kernel(METHOD)
+    def tick(
+        # State in:
+        time_after: wp.array(dtype=wp.float64),
+        # State out:
+        time_out: wp.array(dtype=wp.float64),
+        steps_out: wp.array(dtype=wp.int32),
+    ):
+        """Count a step."""
+        time_out[0] = time_after[0]
+        steps_out[0] = steps_out[0] + 1
+
+    return SimpleNamespace(
+        viscosity=viscosity, predict=predict, apply=apply, collide=collide, collide_walls=collide_walls,
+        finish=finish, fastest=fastest, plan=plan, tick=tick,
+    )  # fmt: skip

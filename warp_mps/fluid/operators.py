@@ -1,0 +1,66 @@
+"""The factors of the MPS operators, from sums over a full lattice.
+
+Every operator is scaled so that it is exact there: div x = d, lap r^2 = 2 d, grad of a linear field. With
+w = r_e/r - 1 and x_ij = x_j - x_i:
+
+    div u = divergence * sum_j x_ij . u_ij / r^3     (the rate of the number density; Khayyer & Gotoh 2009)
+    lap p = laplacian * sum_j w p_ij                 (Koshizuka & Oka 1996)
+    grad p = gradient * sum_j w p_ij x_ij / r^2      (Koshizuka & Oka 1996)
+
+References:
+    Koshizuka, S. and Oka, Y., Nuclear Science and Engineering 123 (1996) 421.
+    Khayyer, A. and Gotoh, H., Coastal Engineering 56 (2009) 419.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from warp_mps.core.weights import lattice_distances, weight
+
+EFFECTIVE_RADIUS = {2: 3.1, 3: 2.1}
+
+
+@dataclass(frozen=True)
+class Operators:
+    """Factors of the operators.
+
+    Attributes:
+        radius: Effective radius r_e [m].
+        number_density: Number density n0 of a full lattice [-].
+        neighbours: Number of neighbours in a full lattice.
+        divergence: Factor of the divergence [m].
+        laplacian: Factor of the Laplacian [1/m^2].
+        gradient: Factor of the gradient [-].
+    """
+
+    radius: float
+    number_density: float
+    neighbours: int
+    divergence: float
+    laplacian: float
+    gradient: float
+
+
+def operators(dimension: int, spacing: float, effective_radius: float | None = None) -> Operators:
+    """Factors for a dimension and a spacing.
+
+    Args:
+        dimension: 2 or 3.
+        spacing: Particle spacing l0 [m].
+        effective_radius: In spacings; None is the default of the dimension.
+    """
+    reach = effective_radius or EFFECTIVE_RADIUS[dimension]
+    r = lattice_distances(dimension, reach)
+    r = r[r < reach]
+    w = weight(r, reach)
+    return Operators(
+        radius=reach * spacing,
+        number_density=float(w.sum()),
+        neighbours=len(r),
+        divergence=float(dimension / np.sum(1.0 / r)) * spacing,
+        laplacian=float(2.0 * dimension / np.sum(w * r**2)) / spacing**2,
+        gradient=float(dimension / w.sum()),
+    )

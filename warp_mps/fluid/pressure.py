@@ -1,0 +1,165 @@
+"""The pressure Poisson equation: its rows, its right-hand side, and the free surface.
+
+    lap p = rho (div u*)/dt + ...
+
+with a higher-order source and error-compensating terms (Khayyer & Gotoh 2011): with the error of the number density
+e = (n - n0)/n0, the source of -lap p is
+
+    rho [-(1 + |e|) div u*/dt + |dt div u*| e/dt^2 + e/(tau dt)],   tau = sqrt(l0/g)
+
+the last term restoring the density slowly; the original method (Koshizuka & Oka 1996) has rho e/dt^2 alone. Walls are
+no unknowns: the pressure beyond a wall follows from the wall's acceleration a, p_j - p_i = rho (g - a) . x_ij, which
+goes to the right-hand side; u* of a wall is the velocity that this gradient turns into the wall's own.
+
+A particle is of the free surface if its number density and its number of neighbours are both low. Its pressure is
+given: that of half a particle spacing of water, as far as the particle's weight is carried by pressure.
+
+References:
+    Koshizuka, S. and Oka, Y., Nuclear Science and Engineering 123 (1996) 421.
+    Khayyer, A. and Gotoh, H., Journal of Computational Physics 230 (2011) 3093.
+"""
+
+import functools
+from types import SimpleNamespace
+
+import warp as wp
+
+from warp_mps.core.kit import Kit
+from warp_mps.fluid.lists import METHOD, list_kernels
+
+CONSERVATIVE, CORRECTED, KOSHIZUKA_OKA = 0, 1, 2
+# the free surface: below this share of a full lattice's number density, and of its neighbours
+SURFACE_DENSITY, SURFACE_NEIGHBOURS = 0.97, 0.85
+# closest distance that the divergence sees, in spacings: what is closer is two particles that collide
+CLOSEST = 0.05
+# errors of the number density beyond this are not of the lattice, but of splashes that meet
+LARGEST_ERROR = 0.1
+
+
+@functools.cache
+def pressure_kernels(kit: Kit) -> SimpleNamespace:
+    """Kernels `assemble`, `least`, `lift`."""
+    real, vec = kit.real, kit.vec
+    apart = list_kernels(kit).apart
+
+    @kit.func(METHOD)
+    def weight(r: real, radius: real) -> real:
+        """w(r) = r_e/r - 1 (Koshizuka & Oka 1996)."""
+        return wp.max(radius / r - real(1.0), real(0.0))
+
+    @kit.func(METHOD)
+    def source(scheme: wp.int32, surface: wp.int32, e: real, div: real, dt: real, tau: real) -> real:
+        """Source of -lap p, per density."""
+        if scheme == wp.static(KOSHIZUKA_OKA):
+            return e / (dt * dt)
+        e = wp.clamp(e, real(-LARGEST_ERROR), real(LARGEST_ERROR))
+        return -(real(1.0) + wp.abs(e)) * div / dt + (wp.abs(dt * div) / dt + real(1.0) / tau) * e / dt
+
+    @kit.kernel(METHOD)
+    def assemble(
+        # Model:
+        walls: wp.int32,
+        scheme: wp.int32,
+        period: vec,
+        radius: real,
+        spacing: real,
+        n0: real,
+        full: real,
+        divergence: real,
+        laplacian: real,
+        density: real,
+        gravity: vec,
+        tau: real,
+        listed: wp.array(dtype=wp.int32, ndim=2),
+        count: wp.array(dtype=wp.int32),
+        # State in:
+        dt: wp.array(dtype=wp.float64),
+        x: wp.array(dtype=vec),
+        u: wp.array(dtype=vec),
+        a: wp.array(dtype=vec),
+        carried: wp.array(dtype=real),
+        # State in and out:
+        p: wp.array(dtype=wp.float64),
+        # Out:
+        n_out: wp.array(dtype=real),
+        first_out: wp.array(dtype=wp.int32),
+        count_out: wp.array(dtype=wp.int32),
+        index_out: wp.array(dtype=wp.int32),
+        value_out: wp.array(dtype=real),
+        diagonal_out: wp.array(dtype=real),
+        active_out: wp.array(dtype=wp.int32),
+        rhs_out: wp.array(dtype=wp.float64),
+        singular_out: wp.array(dtype=wp.int32),
+    ):
+        """The row of a fluid particle, among the fluid particles alone."""
+        k = wp.tid()
+        i = k + walls
+        h = real(dt[0])
+        x_i = x[i]
+        u_i = u[i]
+        first = k * listed.shape[1]
+        entries = wp.int32(0)
+        near = wp.int32(0)
+        n = real(0.0)
+        div = real(0.0)
+        diagonal = real(0.0)
+        wall = real(0.0)
+        for m in range(count[i]):
+            j = listed[i, m]
+            x_ij = apart(x_i, x[j], period)
+            r = wp.max(wp.length(x_ij), real(CLOSEST) * spacing)
+            if r < radius:
+                w = weight(r, radius)
+                c = laplacian * w
+                u_j = u[j]
+                if j < walls:
+                    u_j = u_j + h * (gravity - a[j])
+                    wall += c * density * wp.dot(gravity - a[j], x_ij)
+                else:
+                    index_out[first + entries] = j - walls
+                    value_out[first + entries] = c
+                    entries += 1
+                    diagonal += c
+                n += w
+                near += 1
+                div += wp.dot(x_ij, u_j - u_i) / (r * r * r)
+        surface = wp.int32(0)
+        if n < real(SURFACE_DENSITY) * n0 and real(near) < real(SURFACE_NEIGHBOURS) * full:
+            surface = 1
+            singular_out[0] = 0
+            p[k] = wp.float64(real(0.5) * spacing * density * wp.length(gravity) * carried[k])
+        n_out[k] = n
+        first_out[k] = first
+        count_out[k] = entries
+        diagonal_out[k] = diagonal
+        active_out[k] = 1 - surface
+        rhs_out[k] = wp.float64(density * source(scheme, surface, (n - n0) / n0, divergence * div, h, tau) + wall)
+
+    @kit.kernel(METHOD)
+    def least(chunk: wp.int32, p: wp.array(dtype=wp.float64), least_out: wp.array(dtype=wp.float64)):
+        """Least pressure of each chunk of particles."""
+        c = wp.tid()
+        value = p[c * chunk]
+        for k in range(c * chunk + 1, wp.min((c + 1) * chunk, p.shape[0])):
+            value = wp.min(value, p[k])
+        least_out[c] = value
+
+    @kit.kernel(METHOD)
+    def lift(
+        clip: wp.int32,
+        singular: wp.array(dtype=wp.int32),
+        least: wp.array(dtype=wp.float64),
+        # Out:
+        p_out: wp.array(dtype=wp.float64),
+    ):
+        """Clip negative pressures; in a closed domain, where only differences count, make the least one 0 instead."""
+        k = wp.tid()
+        if singular[0] == 1:
+            floor = least[0]
+            for c in range(1, least.shape[0]):
+                floor = wp.min(floor, least[c])
+            p_out[k] = p_out[k] - floor
+        elif clip == 1:
+            p_out[k] = wp.max(p_out[k], wp.float64(0.0))
+
+    return SimpleNamespace(weight=weight, assemble=assemble, least=least, lift=lift)

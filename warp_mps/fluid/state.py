@@ -1,0 +1,92 @@
+"""Everything of a fluid that evolves."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from typing import Any
+
+import numpy as np
+import warp as wp
+
+from warp_mps.core.kit import Kit
+from warp_mps.particles import Particles
+
+
+@dataclass(kw_only=True)
+class FluidState:
+    """State of the walls and of the fluid on a device, walls first; n particles, m of them fluid.
+
+    Attributes:
+        x:        Positions [m], vec [n].
+        u:        Velocities [m/s], vec [n].
+        a:        Accelerations of the walls, 0 for the fluid [m/s^2], vec [n].
+        lost:     Whether a particle has left the domain, int32 [n].
+        order:    Particle whose place in the arrays this is, counted among the fluid's, int32 [m].
+        p:        Pressures [Pa], float64 [m].
+        carried:  Share of a particle's weight that pressure carries, smoothed in time [-], real [m].
+        n:        Number densities [-], real [m].
+        impulse:  Impulse of the fluid on the walls since the last whole interval [N s], in 2-D [N s/m], float64 [w].
+        work:     Work of the walls on the fluid [J], in 2-D [J/m], float64 [w].
+        forces:   Force of the fluid on the walls, its mean over the last whole interval [N], in 2-D [N/m], float64 [w].
+        time:     Time [s], float64 [1].
+        steps:    Number of steps done, int32 [1].
+        x_listed: Positions at which the neighbour lists were made [m], vec [n].
+    """
+
+    x: wp.array
+    u: wp.array
+    a: wp.array
+    lost: wp.array
+    order: wp.array
+    p: wp.array
+    carried: wp.array
+    n: wp.array
+    impulse: wp.array
+    work: wp.array
+    forces: wp.array
+    time: wp.array
+    steps: wp.array
+    x_listed: wp.array
+
+    def arrays(self) -> dict[str, np.ndarray]:
+        """Host copies of everything."""
+        return {item.name: getattr(self, item.name).numpy().copy() for item in fields(self)}
+
+    def assign(self, arrays: dict[str, np.ndarray]) -> None:
+        """Take over arrays that `arrays` gave."""
+        for item in fields(self):
+            getattr(self, item.name).assign(arrays[item.name])
+
+
+def initial_state(particles: Particles, x_listed: wp.array, n0: float, *, kit: Kit, device: Any) -> FluidState:
+    """The state at the start of a run.
+
+    Args:
+        particles: The particles, walls first.
+        x_listed: The positions that the neighbour lists keep.
+        n0: Number density of a full lattice.
+        kit: Number types.
+        device: Warp device.
+    """
+    n, m = particles.count, particles.liquid
+    vec64 = wp.types.vector(length=kit.dimension, dtype=wp.float64)
+
+    def array(values: Any, kind: Any) -> wp.array:
+        return wp.array(values, dtype=kind, device=device)
+
+    return FluidState(
+        x=array(particles.positions, kit.vec),
+        u=array(particles.velocities, kit.vec),
+        a=wp.zeros(n, dtype=kit.vec, device=device),
+        lost=wp.zeros(n, dtype=wp.int32, device=device),
+        order=array(np.arange(m), wp.int32),
+        p=wp.zeros(m, dtype=wp.float64, device=device),
+        carried=wp.zeros(m, dtype=kit.real, device=device),
+        n=wp.full(m, n0, dtype=kit.real, device=device),
+        impulse=wp.zeros(max(n - m, 1), dtype=vec64, device=device),
+        work=wp.zeros(max(n - m, 1), dtype=wp.float64, device=device),
+        forces=wp.zeros(max(n - m, 1), dtype=vec64, device=device),
+        time=wp.zeros(1, dtype=wp.float64, device=device),
+        steps=wp.zeros(1, dtype=wp.int32, device=device),
+        x_listed=x_listed,
+    )
