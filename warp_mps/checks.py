@@ -65,6 +65,7 @@ def _scene_numbers(scene: Scene) -> None:
     _choice(scene.elasticity.normalization, sc.NORMALIZATIONS, where, "normalization")
     _choice(scene.contact.between, sc.CONTACTS, where, "contact")
     _positive(scene.contact.stiffness, where, "contact_stiffness")
+    _range(scene.contact.friction, 0.0, math.inf, where, "friction")
     _positive(scene.duration, where, "duration")
     _positive(scene.frame_rate, where, "frame_rate")
     _positive(scene.courant, where, "courant")
@@ -143,6 +144,8 @@ def _wall(scene: Scene, wall: Wall) -> None:
     where = place(wall, "wall")
     _filled(wall, where)
     _choice(wall.slip, sc.WALL_SLIPS, where, "slip")
+    if wall.friction is not None:
+        _range(wall.friction, 0.0, math.inf, where, "friction")
     _motion(wall.motion, scene, where)
     _rotation(wall.rotation, scene, where)
 

@@ -319,6 +319,7 @@ class Wall:
         spacing: Particle spacing l0 [m].
         motion: Prescribed displacement; None is none.
         rotation: Prescribed turn; None is none.
+        friction: Coefficient of friction of bodies on it [-]; None is that of `Contact`.
         slip: Whether fluid slides along it, one of `WALL_SLIPS`: ``free``, or ``no``, where it sticks.
         node_axes: Axes of the shape along which the outermost particles lie on its faces, as of a body.
         path: Where it was described, for error messages.
@@ -329,6 +330,7 @@ class Wall:
     spacing: float
     motion: HarmonicMotion | TableMotion | None = None
     rotation: HarmonicRotation | TableRotation | None = None
+    friction: float | None = None
     slip: str = "free"
     node_axes: tuple[int, ...] = ()
     path: str = ""
@@ -477,10 +479,12 @@ class Contact:
         between: ``bodies`` (different bodies), ``all`` (also a body and itself), or ``none``. A body does not see
             itself across a gap that is narrower than two spacings.
         stiffness: Pressure of a small penetration in units of E penetration / l0 [-], E of the softer material.
+        friction: Coefficient of Coulomb friction [-]; 0 is none.
     """
 
     between: str = "bodies"
     stiffness: float = 1.0
+    friction: float = 0.0
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -89,7 +89,9 @@ def rich_scene(dimension: int, frame: StageFrame | None) -> Scene:
     )  # fmt: skip
     walls = (
         Wall(name="floor", shape=Box((9.0, 0.2, 1.0)[:dimension], (0.0, -3.0)), spacing=0.1, node_axes=(0,)),
-        Wall(name="paddle", shape=Box(size, (9.0, 9.0)), spacing=0.1, motion=sine, rotation=turn, slip="no"),
+        Wall(
+            name="paddle", shape=Box(size, (9.0, 9.0)), spacing=0.1, motion=sine, rotation=turn, slip="no", friction=0.3
+        ),
         Wall(name="drum", shape=Cylinder(0.5, 1.0, "z", (-9.0, 3.0), 0.2), spacing=0.1, motion=table, rotation=angles),
     )
     supports = (
@@ -124,7 +126,7 @@ def rich_scene(dimension: int, frame: StageFrame | None) -> Scene:
         measurements=measurements, duration=0.5, dimension=dimension,
         plane="stress" if dimension == 2 else "strain", stage=frame,
         gravity=pad((1.0, -9.75), dimension), elasticity=Elasticity(effective_radius=2.6, normalization="particle"),
-        contact=Contact(between="all", stiffness=0.5), damping=0.25,
+        contact=Contact(between="all", stiffness=0.5, friction=0.2), damping=0.25,
         outputs=("von_mises", "stress"), frame_rate=50.0, sample_rate=400.0,
         time_step=1.2345678901e-6, courant=0.2,
     )  # fmt: skip

@@ -25,9 +25,9 @@ METHOD = "elastic"
 
 
 @functools.cache
-def contact_kernels(kit: Kit) -> SimpleNamespace:
-    """Kernels `crowding`, `force` and `energy`."""
-    real, vec = kit.real, kit.vec
+def contact_funcs(kit: Kit) -> SimpleNamespace:
+    """Device functions `pair_support`, `weight` and `steepness` of the law."""
+    real = kit.real
 
     @kit.func(METHOD)
     def pair_support(a: real, b: real) -> real:
@@ -45,6 +45,16 @@ def contact_kernels(kit: Kit) -> SimpleNamespace:
         """-W'(s) / s, for s >= 0: finite at 0."""
         t = wp.max(real(1.0) - s, real(0.0))
         return real(20.0) * t * t * t
+
+    return SimpleNamespace(pair_support=pair_support, weight=weight, steepness=steepness)
+
+
+@functools.cache
+def contact_kernels(kit: Kit) -> SimpleNamespace:
+    """Kernels `crowding` and `force`."""
+    real, vec = kit.real, kit.vec
+    funcs = contact_funcs(kit)
+    pair_support, weight, steepness = funcs.pair_support, funcs.weight, funcs.steepness
 
     @kit.kernel(METHOD)
     def crowding(

@@ -11,6 +11,7 @@ from warp_mps.core.weights import REACH_TOLERANCE
 from warp_mps.elastic.contact import contact_kernels
 from warp_mps.elastic.contact_law import APART, SUPPORT, capacity, law_constants
 from warp_mps.elastic.contact_search import FACES, search_kernels
+from warp_mps.elastic.rubbing import Rubbing
 from warp_mps.elastic.state import ElasticState
 from warp_mps.particles import Particles
 from warp_mps.scene import Scene
@@ -26,7 +27,11 @@ def needs_contact(scene: Scene, particles: Particles) -> bool:
 
 
 class Contacts:
-    """Contact between the particles of a scene."""
+    """Contact between the particles of a scene.
+
+    Attributes:
+        rubbing: Its friction, None without.
+    """
 
     def __init__(self, scene: Scene, particles: Particles, *, kit: Kit, device: Any) -> None:
         self._search, self._kernels, self._device = search_kernels(kit), contact_kernels(kit), device
@@ -67,12 +72,15 @@ class Contacts:
         extent = particles.positions.max(axis=0) - particles.positions.min(axis=0)
         self._grid = make_grid(extent, self._reach, kit=kit, device=device)
         self._grid.reserve(n)
+        self.rubbing = self._make_rubbing(scene, particles, groups, kit)
 
     def renew(self, state: ElasticState) -> None:
         """List the candidates at the present positions, whether or not the list is stale; forget an overflow before."""
         self._overflow.zero_()
         self._stale.fill_(1)
         self.locate(state)
+        if self.rubbing:
+            self.rubbing.renew(state)
 
     def locate(self, state: ElasticState) -> None:
         """Renew the list of candidates if a particle has moved far enough since it was made."""
@@ -83,25 +91,50 @@ class Contacts:
     def launch_force(self, state: ElasticState) -> None:
         """Add the contact forces."""
         self._launch_crowding(state)
-        inputs = [self._reference, self._spacing, self._group, *self._candidates(), state.u, self._push, self._energy]
+        inputs = [*self._places(), *self._candidates(), state.u, self._push, self._energy]
         outputs = [state.contact, state.force]
         wp.launch(self._kernels.force, len(state.u), inputs, outputs, device=self._device)
+        if self.rubbing:
+            self.rubbing.launch(state, self._places(), [self._stiffness, self._softest], self._candidates(), self._push)
 
     def launch_energy(self, state: ElasticState, energy_out: wp.array) -> None:
-        """Contact energy of every particle [J]."""
+        """Contact energy of every particle, with what friction has stored [J]."""
         self._launch_crowding(state)
         wp.copy(energy_out, self._energy)
+        if self.rubbing:
+            self.rubbing.add_energy(energy_out)
 
     def overflowed(self) -> int | None:
         """A particle that has met more others than the list holds, if there was one."""
         particle = int(self._overflow.numpy()[0])
         return particle - 1 if particle else None
 
+    def arrays(self) -> dict[str, np.ndarray]:
+        """Host copies of what evolves, by name; the list of candidates is made anew."""
+        return self.rubbing.arrays() if self.rubbing else {}
+
+    def assign(self, arrays: dict[str, np.ndarray]) -> None:
+        """Take over arrays that `arrays` gave."""
+        if self.rubbing:
+            self.rubbing.assign(arrays)
+
     def _launch_crowding(self, state: ElasticState) -> None:
         laws = [self._stiffness, self._softest, self._weights, self._scales]
-        inputs = [self._reference, self._spacing, self._group, *laws, *self._candidates(), state.u]
+        inputs = [*self._places(), *laws, *self._candidates(), state.u]
         outputs = [self._push, self._energy]
         wp.launch(self._kernels.crowding, len(state.u), inputs, outputs, device=self._device)
+
+    def _make_rubbing(self, scene: Scene, particles: Particles, groups: np.ndarray, kit: Kit) -> Rubbing | None:
+        friction = _frictions(scene, particles, groups)
+        if not friction.any():
+            return None
+        _, first = np.unique(groups, return_index=True)
+        own = particles.spacings[first]
+        hold = scene.contact.stiffness * own[:, None] ** (particles.dimension - 1) / (own[:, None] + own)
+        return Rubbing(particles.count, hold, friction, kit=kit, device=self._device)
+
+    def _places(self) -> list[wp.array]:
+        return [self._reference, self._spacing, self._group]
 
     def _candidates(self) -> list[wp.array]:
         return [self._start, self._listed, self._faces, self._facing, self._end]
@@ -135,3 +168,13 @@ def _laws(particles: Particles) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     laws = [[law_constants(particles.dimension, own, other) for other in spacings] for own in spacings]
     weights, scales = np.moveaxis(np.array(laws), -1, 0)
     return groups, weights, scales
+
+
+def _frictions(scene: Scene, particles: Particles, groups: np.ndarray) -> np.ndarray:
+    """Coefficient of friction between each two groups: that of a wall where it has its own [-]."""
+    friction = np.full((groups.max() + 1,) * 2, scene.contact.friction)
+    for number, wall in enumerate(scene.walls):
+        if wall.friction is not None:
+            group = groups[np.argmax(particles.walls == number)]
+            friction[group], friction[:, group] = wall.friction, wall.friction
+    return friction

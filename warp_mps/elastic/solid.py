@@ -15,6 +15,7 @@ from warp_mps.elastic.contact import contact_kernels
 from warp_mps.elastic.contact_search import search_kernels
 from warp_mps.elastic.contacts import Contacts, needs_contact
 from warp_mps.elastic.energies import CHUNK, energy_kernels
+from warp_mps.elastic.friction import friction_kernels
 from warp_mps.elastic.hamiltonian import hamiltonian_kernels
 from warp_mps.elastic.loads import METHOD, load_kernels
 from warp_mps.elastic.model import make_model
@@ -34,7 +35,7 @@ from warp_mps.scene import Scene
 KERNELS = (
     *(spring_kernels, spin_kernels, hamiltonian_kernels),
     *(motion_kernels, load_kernels, search_kernels, contact_kernels, energy_kernels, stress_kernels),
-    viscous_kernels,
+    *(viscous_kernels, friction_kernels),
 )
 
 
@@ -256,7 +257,8 @@ class Solid:
         spins = self.model.spins.arrays() if self.model.spins else {}
         viscous = self.viscosity.arrays() if self.viscosity else {}
         walls = self.walls.arrays() if self.walls else {}
-        return {**self.state.arrays(), **spins, **viscous, **self.outside.arrays(), **walls}
+        contact = self.contacts.arrays() if self.contacts else {}
+        return {**self.state.arrays(), **spins, **viscous, **self.outside.arrays(), **walls, **contact}
 
     def assign(self, arrays: dict[str, np.ndarray]) -> None:
         """Continue from arrays that `arrays` gave."""
@@ -271,6 +273,7 @@ class Solid:
         # what a step makes anew, but a look at this moment needs already
         self.model.passes[0][1](self.state, 0, self._n)
         if self.contacts:
+            self.contacts.assign(arrays)
             self.contacts.renew(self.state)
 
     def _with_walls(self, elastic: np.ndarray, walls: np.ndarray | None = None) -> np.ndarray:

@@ -88,8 +88,8 @@ class _Reader:
             *("mps:duration", "mps:planeModel", "mps:frameRate", "mps:sampleRate"),
             *("mps:timeStep", "mps:courant", "mps:damping", "mps:outputs"),
         )
-        contact = values.fields("mps:contact", "mps:contactStiffness")
-        renamed = {"contact": "between", "contact_stiffness": "stiffness"}
+        contact = values.fields("mps:contact", "mps:contactStiffness", "mps:friction")
+        renamed = {"contact": "between", "contact_stiffness": "stiffness", "friction": "friction"}
         probes = {probe.name: probe for probe in map(self._probe, self.parts["probe"])}
         return Scene(
             name=name,
@@ -134,7 +134,7 @@ class _Reader:
             motion=parts.motion(values),
             rotation=parts.rotation(values),
             path=values.path,
-            **values.fields("mps:spacing", "mps:slip"),
+            **values.fields("mps:spacing", "mps:slip", "mps:friction"),
         )
 
     def _part(self, prim: Usd.Prim) -> Part:

@@ -111,6 +111,8 @@ SCENE = _table(
     _row("mps:contactStiffness", "double", "contact_stiffness",
          "pressure of a small penetration, in units of E penetration / spacing of the softer material, above 0",
          default=_default(sc.Contact, "stiffness")),
+    _row("mps:friction", "double", "friction", "coefficient of friction of contacts, at least 0",
+         default=_default(sc.Contact, "friction")),
 )
 
 MATERIAL = _table(
@@ -173,6 +175,7 @@ WALL = _table(
     _INNER,
     _row("mps:nodeAxes", "token", "node_axes",
          "the shape's own axes, such as `xz`, along which the outermost particles lie on the faces"),
+    _row("mps:friction", "double", "friction", "coefficient of friction of bodies on it; that of the scene if not given"),
     _row("mps:slip", "token", "slip", "whether fluid slides along it freely, or not at all",
          default=_default(sc.Wall, "slip"), allowed=sc.WALL_SLIPS),
     *_MOTION,

@@ -114,6 +114,7 @@ class _Writer:
             "mps:normalization": scene.elasticity.normalization,
             "mps:contact": scene.contact.between,
             "mps:contactStiffness": scene.contact.stiffness,
+            "mps:friction": scene.contact.friction,
         }
         self._author(physics.GetPrim(), "scene", values)
 
@@ -135,6 +136,7 @@ class _Writer:
         prim = self._region("Walls", wall.name, wall, wall.shape)
         axes = lattice_axes(wall.shape, wall.node_axes, self.frame)
         values: dict[str, Any] = {"mps:spacing": wall.spacing, "mps:nodeAxes": axes or None, "mps:slip": wall.slip}
+        values["mps:friction"] = wall.friction
         values |= _moving("motion", wall.motion)
         values |= _moving("rotation", wall.rotation)
         if wall.rotation and self.scene.dimension == 2:

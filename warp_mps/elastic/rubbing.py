@@ -1,0 +1,79 @@
+"""Friction on a given set of particles: what grips what, and the launches that use it."""
+
+from typing import Any
+
+import numpy as np
+import warp as wp
+
+from warp_mps.core.kit import Kit
+from warp_mps.elastic.contact_search import FACES
+from warp_mps.elastic.friction import friction_kernels
+from warp_mps.elastic.state import ElasticState
+
+
+class Rubbing:
+    """Friction between the particles of a contact.
+
+    Args:
+        count: Number of particles.
+        hold: Stiffness of sticking faces per Young's modulus, shape [groups, groups].
+        friction: Coefficients of friction, shape [groups, groups].
+        kit: Number types.
+        device: Warp device.
+    """
+
+    def __init__(self, count: int, hold: np.ndarray, friction: np.ndarray, *, kit: Kit, device: Any) -> None:
+        self._kernels, self._device = friction_kernels(kit), device
+        self._hold = wp.array(hold, dtype=kit.real, device=device)
+        self._friction = wp.array(friction, dtype=kit.real, device=device)
+
+        def zeros(shape: int | tuple[int, int], dtype: Any) -> wp.array:
+            return wp.zeros(shape, dtype=dtype, device=device)
+
+        # what evolves: which groups are gripped, their slips, and force and energy of the last step
+        self._gripped, self._slip = zeros((count, FACES), wp.int32), zeros((count, FACES), kit.vec)
+        self._rubbed, self._stored_before = zeros(count, kit.vec), zeros(count, kit.real)
+        self._stored = zeros(count, kit.real)
+        self._pull, self._mean = zeros((count, FACES), kit.vec), zeros((count, FACES), kit.real)
+        self._u_before = zeros(count, kit.vec)
+
+    def renew(self, state: ElasticState) -> None:
+        """Begin at the present positions."""
+        wp.copy(self._u_before, state.u)
+
+    def launch(
+        self,
+        state: ElasticState,
+        places: list[wp.array],
+        stiffness: list[wp.array],
+        candidates: list[wp.array],
+        push: wp.array,
+    ) -> None:
+        """Add the friction of a step to its contact forces, once a step: slips grow by the step's move."""
+        inputs = [*places, *stiffness, self._hold, self._friction, *candidates, state.u, self._u_before, push]
+        outputs = [self._gripped, self._slip, self._pull, self._mean, self._stored]
+        wp.launch(self._kernels.grip, len(state.u), inputs, outputs, device=self._device)
+        inputs = [*places, *candidates, state.u, self._pull, self._mean, self._stored]
+        outputs = [self._u_before, self._stored_before, self._rubbed, state.contact, state.force, state.dissipated]
+        wp.launch(self._kernels.rub, len(state.u), inputs, outputs, device=self._device)
+
+    def add_energy(self, energy: wp.array) -> None:
+        """Add what sticking faces store [J]."""
+        wp.launch(self._kernels.add, len(energy), [self._stored_before], [energy], device=self._device)
+
+    def arrays(self) -> dict[str, np.ndarray]:
+        """Host copies of what evolves, by name."""
+        return {name: array.numpy().copy() for name, array in self._evolving().items()}
+
+    def assign(self, arrays: dict[str, np.ndarray]) -> None:
+        """Take over arrays that `arrays` gave."""
+        for name, array in self._evolving().items():
+            array.assign(arrays[name])
+
+    def _evolving(self) -> dict[str, wp.array]:
+        return {
+            "gripped": self._gripped,
+            "slip": self._slip,
+            "rubbed": self._rubbed,
+            "slip_energy": self._stored_before,
+        }
