@@ -12,9 +12,9 @@ by their pressure. What does work on t is the slip
     slip' = C^-1 sum_j omega_ij (s_ij - mean) (y_ij . y'_ij)
 
 the sliding velocity where a face slides, and nothing in any common rotation. The faces stick by a spring, t = -k slip,
-as stiff as the contact is when it is pressed (k = c_iB min(E_i, E_B) (S_iB/l)^2); where that exceeds mu N_iB, they slide
-and the spring keeps what mu N_iB holds (Cundall and Strack). So what sticks does not creep, but gives by at most mu times
-the depth to which the contact is pressed. A contact of single points has no spread C, and no friction.
+as stiff as the contact where it is pressed, k = c_iB min(E_i, E_B) (S_iB/l)^2; where that exceeds mu N_iB, they slide
+and the spring keeps what mu N_iB holds (Cundall and Strack). So what sticks does not creep, but gives by at most mu
+times the depth to which the contact is pressed. A contact of single points has no spread C, and no friction.
 
 References:
     Cundall, P. A. and Strack, O. D. L., Geotechnique 29 (1979) 47.
@@ -29,7 +29,7 @@ from warp_mps.core.kit import Kit
 from warp_mps.elastic.contact import contact_funcs
 
 METHOD = "elastic"
-# variance of the tangential distances that friction needs, in squares of half of the support; a lattice has 0.2 and more
+# variance of the tangential distances that friction needs, in squares of half of the support; a lattice has 0.2
 SPREAD = 0.1
 
 
@@ -75,7 +75,10 @@ def friction_kernels(kit: Kit) -> SimpleNamespace:
         mean_out: wp.array(dtype=real, ndim=2),
         stored_out: wp.array(dtype=real),
     ):
-        """a / sum_j W of every face, and a . mean / sum_j W; the slips, by group + 1 of what is gripped, 0 for none."""
+        """Pull and mean, a and a . mean over sum_j W, of every face, and its slip.
+
+        `gripped` is the group + 1 that a slip belongs to, 0 for none: it outlives the list of candidates.
+        """
         i = wp.tid()
         stored = real(0.0)
         k = start[i]
