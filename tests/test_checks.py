@@ -312,7 +312,7 @@ def test_a_scene_in_space_wants_three_numbers() -> None:
     for fields, words in (
         ({"rate": None}, r"velocity_field.rate: is missing: the velocity field 'twist' needs it"),
         ({"rate": NAN}, r"velocity_field.rate: is nan, must be finite"),
-        ({"amplitude": (0.0, 1.0, 0.0)}, r"velocity_field.amplitude: .*; give rate instead"),
+        ({"amplitude": (0.0, 1.0, 0.0)}, r"velocity_field.amplitude: .*; it has rate, length"),
     ):
         with pytest.raises(InputError, match=words):
             Scene(bodies=(replace(box, velocity_field=replace(twist, **fields)),), duration=1.0, dimension=3)

@@ -14,11 +14,19 @@ import numpy as np
 
 from warp_mps import scene as sc
 from warp_mps.components import component_names
-from warp_mps.errors import InputError
+from warp_mps.fluid_checks import check_fluids, check_velocity_field
+from warp_mps.requirements import choice as _choice
+from warp_mps.requirements import in_range as _range
+from warp_mps.requirements import place
+from warp_mps.requirements import positive as _positive
+from warp_mps.requirements import require as _require
+from warp_mps.requirements import vector as _vector
 from warp_mps.spline import table_values
 
 if TYPE_CHECKING:
-    from warp_mps.scene import Body, Fluid, Load, Material, Measurement, Part, Probe, Scene, Support, Wall
+    from warp_mps.scene import Body, Fluid, Load, Material, Measurement, Probe, Scene, Support, Wall
+
+__all__ = ["check_scene", "place"]
 
 
 def check_scene(scene: Scene) -> None:
@@ -42,6 +50,10 @@ def check_scene(scene: Scene) -> None:
         _body(scene, body)
     for wall in scene.walls:
         _wall(scene, wall)
+    for fluid in scene.fluids:
+        _filled(fluid, place(fluid, "fluid"))
+        _start(scene, fluid, place(fluid, "fluid"))
+    check_fluids(scene)
     for support in scene.supports:
         _support(scene, support)
     for load in scene.loads:
@@ -50,11 +62,6 @@ def check_scene(scene: Scene) -> None:
         _probe(scene, probe)
     for measurement in scene.measurements:
         _measurement(scene, measurement)
-
-
-def place(item: Body | Part | Wall | Fluid | Support | Load | Probe | Measurement, kind: str) -> str:
-    """How an error names an item: its path, or its kind and name where it has none."""
-    return item.path or f"{kind} '{item.name}'"
 
 
 def _scene_numbers(scene: Scene) -> None:
@@ -124,17 +131,22 @@ def _body(scene: Scene, body: Body) -> None:
     _material(body.material, scene, where)
     for part in body.parts:
         _material(part.material, scene, place(part, "part"))
-    if body.velocity is not None:
-        _vector(body.velocity, scene.dimension, where, "velocity")
-    if body.angular_velocity is not None:
-        _vector(np.atleast_1d(body.angular_velocity), 1 if scene.dimension == 2 else 3, where, "angular_velocity")
-    if body.velocity_field is not None:
-        _velocity_field(scene, body)
+    _start(scene, body, where)
     _names(body.bonded_to, scene, where, "bonded_to")
 
 
-def _filled(item: Body | Wall, where: str) -> None:
-    """What bodies and walls have in common."""
+def _start(scene: Scene, item: Body | Fluid, where: str) -> None:
+    """The initial velocity of a body or a fluid."""
+    if item.velocity is not None:
+        _vector(item.velocity, scene.dimension, where, "velocity")
+    if item.angular_velocity is not None:
+        _vector(np.atleast_1d(item.angular_velocity), 1 if scene.dimension == 2 else 3, where, "angular_velocity")
+    if item.velocity_field is not None:
+        check_velocity_field(item.velocity_field, scene, where)
+
+
+def _filled(item: Body | Wall | Fluid, where: str) -> None:
+    """What all that is filled with particles has in common."""
     _require(item.name.isidentifier(), where, "name", f"is {item.name!r}, must be letters, digits and _ as in a prim's")
     _positive(item.spacing, where, "spacing")
     _require(all(axis in (0, 1, 2) for axis in item.node_axes), where, "node_axes", "must be axes among x, y and z")
@@ -167,28 +179,6 @@ def _material(material: Material, scene: Scene, body: str) -> None:
     kind = "plane stress" if plane_stress else "plane strain" if scene.dimension == 2 else "3-D"
     reason = f"is {material.poissons_ratio:g}, must lie between -1 and {upper:g} (both excluded) in {kind}"
     _require(good, where, "poissons_ratio", reason)
-
-
-def _velocity_field(scene: Scene, body: Body) -> None:
-    where, field = place(body, "body"), body.velocity_field
-    assert field is not None
-    _choice(field.kind, sc.VELOCITY_FIELDS, where, "velocity_field")
-    twist = field.kind == "twist"
-    _require(not twist or scene.dimension == 3, where, "velocity_field", "is 'twist', which needs a 3-D scene")
-    needed, other = ("rate", "amplitude") if twist else ("amplitude", "rate")
-    reason = f"is missing: the velocity field {field.kind!r} needs it"
-    _require(getattr(field, needed) is not None, where, f"velocity_field.{needed}", reason)
-    reason = f"is not of the velocity field {field.kind!r}; give {needed} instead"
-    _require(getattr(field, other) is None, where, f"velocity_field.{other}", reason)
-    _require(math.isfinite(field.rate or 0.0), where, "velocity_field.rate", f"is {field.rate}, must be finite")
-    vectors = {"axis": field.axis, "origin": field.origin, **({} if twist else {"amplitude": field.amplitude})}
-    for name, vector in vectors.items():
-        assert vector is not None
-        _vector(vector, scene.dimension, where, f"velocity_field.{name}")
-    _positive(field.length, where, "velocity_field.length")
-    _require(np.linalg.norm(field.axis) > 0.0, where, "velocity_field.axis", "has no length")
-    good = field.mode == int(field.mode) and field.mode >= 1
-    _require(good, where, "velocity_field.mode", f"is {field.mode}, must be a whole number from 1 on")
 
 
 def _support(scene: Scene, support: Support) -> None:
@@ -303,28 +293,3 @@ def _names(names: Iterable[str], scene: Scene, where: str, attribute: str) -> No
     known = [body.name for body in scene.bodies]
     for name in names:
         _require(name in known, where, attribute, f"names no body: {name!r}")
-
-
-def _require(good: bool | np.bool_, where: str, attribute: str, reason: str) -> None:
-    if not good:
-        raise InputError(where, attribute, reason)
-
-
-def _positive(value: float, where: str, attribute: str) -> None:
-    _require(math.isfinite(value) and value > 0.0, where, attribute, f"is {value:g}, must be finite and above 0")
-
-
-def _range(value: float, low: float, high: float, where: str, attribute: str) -> None:
-    good = math.isfinite(value) and low <= value <= high
-    limits = f"at least {low:g}" if math.isinf(high) else f"between {low:g} and {high:g}"
-    _require(good, where, attribute, f"is {value:g}, must be finite and {limits}")
-
-
-def _choice(value: str, choices: Sequence[str], where: str, attribute: str) -> None:
-    _require(value in choices, where, attribute, f"is {value!r}, must be one of: {', '.join(choices)}")
-
-
-def _vector(value: Sequence[float] | np.ndarray, size: int, where: str, attribute: str) -> None:
-    array = np.asarray(value, float)
-    good = array.shape == (size,) and bool(np.all(np.isfinite(array)))
-    _require(good, where, attribute, f"is {tuple(array.tolist())}, must be {size} finite numbers")

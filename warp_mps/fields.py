@@ -1,7 +1,9 @@
-"""Named initial velocity fields: shapes of vibration along an axis.
+"""Named initial velocity fields: shapes of vibration along an axis, and flows of a liquid without divergence.
 
 References:
     Rao, S. S., Mechanical Vibrations, 5th ed., sections 8.4 (torsion of rods) and 8.5 (transverse vibration of beams).
+    Lamb, H., Hydrodynamics, 6th ed., section 228 (standing waves in water of any depth).
+    Taylor, G. I. and Green, A. E., Proc. R. Soc. London A 158 (1937) 499.
 """
 
 from __future__ import annotations
@@ -25,6 +27,9 @@ def velocity(field: VelocityField, positions: np.ndarray) -> np.ndarray:
     """
     axis = np.asarray(field.axis, float) / np.linalg.norm(field.axis)
     arms = positions - np.asarray(field.origin, float)
+    if field.kind in _FLOWS:
+        return _FLOWS[field.kind](field, arms, axis)
+    assert field.length is not None
     values = _SHAPES[field.kind](arms @ axis / field.length, field.mode)
     if field.kind == "twist":
         return (field.rate or 0.0) * values[:, None] * np.cross(axis, arms)
@@ -80,4 +85,36 @@ def _beam(along: np.ndarray, root: float, sign: float) -> np.ndarray:
     return shape(root * along) / shape(np.asarray(root))
 
 
+def _stagnation(field: VelocityField, arms: np.ndarray, axis: np.ndarray) -> np.ndarray:
+    along = np.outer(arms @ axis, axis)
+    return (field.rate or 0.0) * (along - (arms - along) / (len(axis) - 1))
+
+
+def _taylor_green(field: VelocityField, arms: np.ndarray, axis: np.ndarray) -> np.ndarray:
+    amplitude, along, across, _ = _phases(field, arms, axis)
+    crests = np.outer(np.sin(along) * np.cos(across), amplitude)
+    return crests - np.outer(np.cos(along) * np.sin(across), axis) * np.linalg.norm(amplitude)
+
+
+def _standing_wave(field: VelocityField, arms: np.ndarray, axis: np.ndarray) -> np.ndarray:
+    amplitude, along, up, k = _phases(field, arms, axis)
+    assert field.depth is not None
+    level = k * field.depth
+    # sinh(k q)/sinh(k H) and cosh(k q)/sinh(k H) in exponentials that cannot overflow
+    growing, falling, whole = np.exp(up - level), np.exp(-up - level), 1.0 - math.exp(-2.0 * level)
+    crests = np.outer(np.cos(along) * (growing - falling) / whole, amplitude)
+    return crests - np.outer(np.sin(along) * (growing + falling) / whole, axis) * np.linalg.norm(amplitude)
+
+
+def _phases(
+    field: VelocityField, arms: np.ndarray, axis: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
+    """The amplitude, k s along the axis, k q along the amplitude, and k = 2 pi / length."""
+    amplitude = np.asarray(field.amplitude, float)
+    assert field.length is not None
+    k = 2.0 * math.pi / field.length
+    return amplitude, k * (arms @ axis), k * (arms @ amplitude) / np.linalg.norm(amplitude), k
+
+
 _SHAPES = {"sine": _sine, "free_free_beam": _free_free, "clamped_free_beam": _clamped_free, "twist": _twist}
+_FLOWS = {"stagnation": _stagnation, "taylor_green": _taylor_green, "standing_wave": _standing_wave}

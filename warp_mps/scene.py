@@ -23,8 +23,20 @@ PLANE_MODELS = ("strain", "stress")
 CONTACTS = ("none", "bodies", "all")
 INTERPOLATIONS = ("linear", "cubic")
 WALL_SLIPS = ("free", "no")
-FLUID_VELOCITY_FIELDS = ("stagnation", "taylor_green", "standing_wave")
-VELOCITY_FIELDS = ("sine", "free_free_beam", "clamped_free_beam", "twist")
+_SHAPE = ("amplitude", "axis", "origin", "length")
+# what each kind of velocity field needs
+VELOCITY_FIELD_PARTS = {
+    "sine": _SHAPE,
+    "free_free_beam": _SHAPE,
+    "clamped_free_beam": _SHAPE,
+    "twist": ("rate", "axis", "origin", "length"),
+    "stagnation": ("rate", "axis", "origin"),
+    "taylor_green": _SHAPE,
+    "standing_wave": (*_SHAPE, "depth"),
+}
+VELOCITY_FIELDS = tuple(VELOCITY_FIELD_PARTS)
+# those that have modes
+MODAL_FIELDS = VELOCITY_FIELDS[:4]
 FLUID_SCHEMES = ("conservative", "corrected", "koshizuka_oka")
 NEGATIVE_PRESSURES = ("clipped", "allowed")
 OUTPUTS = ("stress", "strain", "von_mises", "strain_energy")
@@ -107,7 +119,7 @@ class Material:
 
 @dataclass(frozen=True, kw_only=True)
 class VelocityField:
-    """An initial velocity that varies along a body: v(x) = amplitude * shape(mode, s / length).
+    """An initial velocity that varies in space, in beams as v(x) = amplitude * shape(mode, s / length).
 
     s = (x - origin) . axis runs from 0 to `length`. The shapes are ``sine`` (sin(mode pi s / length)) and the
     bending modes of a uniform beam, ``free_free_beam`` and ``clamped_free_beam``, scaled to 1 at s = length
@@ -115,14 +127,24 @@ class VelocityField:
     and free at s = length (section 8.4): v(x) = rate * sin((2 mode - 1) pi s / (2 length)) * axis x (x - origin).
     Particles' own rotation, which the springs model has, starts at rest.
 
+    The others are of liquids, without divergence. With q = (x - origin) . e, e the direction of the amplitude, which is
+    at right angles to the axis, and k = 2 pi / length:
+
+    - ``stagnation``: rate * (x - origin) along the axis, -rate/(d - 1) * (x - origin) across it.
+    - ``taylor_green``: amplitude * sin(k s) cos(k q) - axis * abs(amplitude) * cos(k s) sin(k q), a pattern of vortices.
+    - ``standing_wave``: linear waves as they pass through the level, on water from q = 0, the bottom, to q = depth
+      (Lamb, Hydrodynamics, section 228):
+      (amplitude * cos(k s) sinh(k q) - axis * abs(amplitude) * sin(k s) cosh(k q)) / sinh(k depth).
+
     Attributes:
-        kind: One of `VELOCITY_FIELDS`.
-        amplitude: Velocity where the shape is 1 [m/s]; every kind but ``twist`` needs it.
-        rate: Angular velocity where the shape is 1 [rad/s]; ``twist`` needs it.
+        kind: One of `VELOCITY_FIELDS`; `VELOCITY_FIELD_PARTS` says what each needs.
+        amplitude: Velocity where the shape is 1 [m/s]; of a standing wave that of its crests.
+        rate: Angular velocity where the shape is 1, of ``twist`` [rad/s]; rate of stretching, of ``stagnation`` [1/s].
         axis: Direction along which the shape varies; its length does not matter.
         origin: Point where s = 0 [m]; the axis of a twist goes through it.
-        length: Length of the body along the axis [m].
-        mode: Number of the mode, from 1.
+        length: Length of the body along the axis; wave length of what repeats itself [m].
+        depth: Depth of the water of a standing wave [m].
+        mode: Number of the mode, from 1, of a body.
     """
 
     kind: str
@@ -130,7 +152,8 @@ class VelocityField:
     rate: float | None = None
     axis: Vector
     origin: Vector
-    length: float
+    length: float | None = None
+    depth: float | None = None
     mode: int = 1
 
 
@@ -510,6 +533,10 @@ class Flow:
     courant: float = 0.2
     domain: tuple[Vector, Vector] | None = None
     periodic: tuple[int, ...] = ()
+
+    def radius(self, dimension: int) -> float:
+        """Effective radius in units of the particle spacing [-], in 2 or 3 dimensions."""
+        return self.effective_radius or (3.1 if dimension == 2 else 2.1)
 
 
 @dataclass(frozen=True, kw_only=True)
