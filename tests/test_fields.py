@@ -113,3 +113,59 @@ def test_high_modes_keep_their_digits(kind: str, mode: int) -> None:
     values = velocity(field, np.column_stack((along, 0.0 * along)))[:, 1]
     assert np.abs(values).max() == pytest.approx(np.sqrt(0.5), rel=1e-3)
     assert velocity(field, np.array([[1.0, 0.0]]))[0, 1] == pytest.approx(1.0)
+
+
+def flow_field(kind: str, dimension: int) -> VelocityField:
+    """A flow of a liquid, turned so that no axis of the scene is one of its own."""
+    axis = np.array((0.8, 0.6, 0.0) if dimension == 2 else (2.0, 1.0, 2.0))[:dimension]
+    across = np.array((-0.6, 0.8) if dimension == 2 else (1.0, 2.0, -2.0))
+    fields: dict[str, object] = {"kind": kind, "axis": axis, "origin": [0.2, -0.1, 0.4][:dimension]}
+    if kind == "stagnation":
+        return VelocityField(**fields, rate=-3.0)  # type: ignore[arg-type]
+    depth = {"depth": 0.7} if kind == "standing_wave" else {}
+    return VelocityField(**fields, amplitude=0.5 * across, length=1.3, **depth)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+@pytest.mark.parametrize("kind", ["stagnation", "taylor_green", "standing_wave"])
+def test_flows_have_no_divergence(kind: str, dimension: int) -> None:
+    field, step = flow_field(kind, dimension), 1e-4
+    points = np.random.default_rng(2).uniform(-0.5, 0.5, (50, dimension))
+    shifts = step * np.eye(dimension)
+    gradients = [(velocity(field, points + shift) - velocity(field, points - shift)) / (2 * step) for shift in shifts]
+    divergence = sum(gradient[:, axis] for axis, gradient in enumerate(gradients))
+    assert np.abs(divergence).max() < 1e-5 * np.abs(gradients).max()
+
+
+def test_stagnation_by_hand() -> None:
+    field = VelocityField(kind="stagnation", rate=-100.0, axis=(1.0, 0.0), origin=(0.0, 1.0))
+    np.testing.assert_allclose(velocity(field, np.array([[0.5, 1.25]])), [[-50.0, 25.0]])
+    field = VelocityField(kind="stagnation", rate=2.0, axis=(0.0, 0.0, 3.0), origin=(0.0, 0.0, 0.0))
+    np.testing.assert_allclose(velocity(field, np.array([[1.0, 2.0, 3.0]])), [[-1.0, -2.0, 6.0]])
+
+
+def test_taylor_green_by_hand() -> None:
+    """As in the books: u = -U cos(2 pi x/L) sin(2 pi y/L), v = U sin(2 pi x/L) cos(2 pi y/L)."""
+    field = VelocityField(kind="taylor_green", amplitude=(0.0, 3.0), axis=(1.0, 0.0), origin=(0.0, 0.0), length=2.0)
+    x, y = np.random.default_rng(0).uniform(-2.0, 2.0, (2, 20))
+    u = -3.0 * np.cos(np.pi * x) * np.sin(np.pi * y)
+    v = 3.0 * np.sin(np.pi * x) * np.cos(np.pi * y)
+    np.testing.assert_allclose(velocity(field, np.column_stack((x, y))), np.column_stack((u, v)), atol=1e-14)
+
+
+def test_standing_wave_by_hand() -> None:
+    """Nothing crosses the bottom, the crests have the amplitude, and deep water does not overflow."""
+    field = VelocityField(
+        kind="standing_wave", amplitude=(0.0, 0.5), axis=(1.0, 0.0), origin=(0.0, -0.4), length=1.0, depth=0.4
+    )
+    k, x = 2.0 * np.pi, np.linspace(0.0, 1.0, 9)
+    bottom = velocity(field, np.column_stack((x, np.full(9, -0.4))))
+    surface = velocity(field, np.column_stack((x, np.zeros(9))))
+    np.testing.assert_allclose(bottom[:, 1], 0.0, atol=1e-15)
+    np.testing.assert_allclose(bottom[:, 0], -0.5 * np.sin(k * x) / np.sinh(0.4 * k), atol=1e-14)
+    np.testing.assert_allclose(surface[:, 1], 0.5 * np.cos(k * x), atol=1e-14)
+    np.testing.assert_allclose(surface[:, 0], -0.5 * np.sin(k * x) / np.tanh(0.4 * k), atol=1e-14)
+    deep = VelocityField(
+        kind="standing_wave", amplitude=(0.0, 1.0), axis=(1.0, 0.0), origin=(0.0, 0.0), length=0.01, depth=10.0
+    )
+    np.testing.assert_allclose(velocity(deep, np.array([[0.0, 10.0], [0.0025, 10.0]])), [[0, 1], [-1, 0]], atol=1e-12)

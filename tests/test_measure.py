@@ -119,3 +119,21 @@ def test_the_middle_and_the_half_of_the_range() -> None:
     options = {"name": "range", "probe": "tip", "start": 0.5}
     assert evaluate(Measurement(measure="midrange", **options), times, values) == 1.5
     assert evaluate(Measurement(measure="half_range", **options), times, values) == 2.5
+
+
+def test_a_value_at_a_time() -> None:
+    times, values = np.array([0.0, 1.0, 3.0]), np.array([2.0, 4.0, -1.0])
+    assert [draw("value_at", times, values, at=at) for at in (0.0, 0.5, 2.0, 3.0)] == [2.0, 3.0, 1.5, -1.0]
+    with pytest.raises(ValueError, match="from 0 to 3 s, without 4 s"):
+        draw("value_at", times, values, at=4.0)
+
+
+def test_the_first_time_of_a_value() -> None:
+    times, values = np.array([0.0, 1.0, 3.0, 4.0]), np.array([2.0, 4.0, -1.0, 9.0])
+    assert draw("time_at", times, values, at=2.0) == 0.0
+    assert draw("time_at", times, values, at=3.0) == 0.5
+    assert draw("time_at", times, values, at=4.0) == 1.0
+    assert draw("time_at", times, values, at=1.5) == 2.0
+    assert draw("time_at", times, values, at=3.0, start=1.0) == pytest.approx(1.4)
+    with pytest.raises(ValueError, match="never reaches 10: it is between -1 and 9"):
+        draw("time_at", times, values, at=10.0)

@@ -14,7 +14,7 @@ import numpy as np
 
 from warp_mps import scene as sc
 from warp_mps.components import component_names
-from warp_mps.fluid_checks import check_fluids, check_velocity_field
+from warp_mps.fluid_checks import check_fluids, check_probed_fluid, check_velocity_field, probe_quantities
 from warp_mps.requirements import choice as _choice
 from warp_mps.requirements import in_range as _range
 from warp_mps.requirements import place
@@ -250,20 +250,19 @@ def _probe(scene: Scene, probe: Probe) -> None:
     where = place(probe, "probe")
     given = [p for p in (probe.point, probe.region, probe.body, probe.support) if p is not None]
     _require(len(given) == 1, where, "target", "must be exactly one of a point, a region, a body and a support")
-    _choice(probe.quantity, sc.PROBE_QUANTITIES[probe.where], where, "quantity")
+    _choice(probe.quantity, probe_quantities(probe, scene), where, "quantity")
     if probe.point is not None:
         _vector(probe.point, scene.dimension, where, "point")
-    moment = probe.quantity == "section_moment"
-    reason = "is missing: a section_moment needs the point that it is taken about" if moment else "needs section_moment"
-    _require(moment == (probe.about is not None), where, "about", reason)
+    moment = probe.quantity in sc.ABOUT_QUANTITIES
+    reason = f"is missing: a {probe.quantity} needs the point that it is taken about"
+    _require(not moment or probe.about is not None, where, "about", reason)
+    _require(moment or probe.about is None, where, "about", f"needs {' or '.join(sc.ABOUT_QUANTITIES)}")
     if probe.about is not None:
         _vector(probe.about, scene.dimension, where, "about")
-    if probe.body is not None:
-        walls = [wall.name for wall in scene.walls]
-        if probe.body in walls:
-            _choice(probe.quantity, sc.WALL_QUANTITIES, where, "quantity")
-        else:
-            _names((probe.body,), scene, where, "target")
+    others = {*(wall.name for wall in scene.walls), *(fluid.name for fluid in scene.fluids)}
+    if probe.body is not None and probe.body not in others:
+        _names((probe.body,), scene, where, "target")
+    check_probed_fluid(probe, scene, where)
     if probe.support is not None:
         known = [support.name for support in scene.supports]
         _require(probe.support in known, where, "target", f"names no support: {probe.support!r}")
@@ -283,6 +282,15 @@ def _measurement(scene: Scene, measurement: Measurement) -> None:
     end = scene.duration if measurement.end is None else measurement.end
     good = 0.0 <= measurement.start < end
     _require(good, where, "start", f"is {measurement.start:g} s, must lie before the end, {end:g} s")
+    needed = measurement.measure in sc.AT_MEASURES
+    _require(needed or measurement.at is None, where, "at", f"is of the measures {' and '.join(sc.AT_MEASURES)}")
+    if needed:
+        good = measurement.at is not None and math.isfinite(measurement.at)
+        _require(good, where, "at", f"is {measurement.at}, must be a number: {measurement.measure} needs it")
+    if measurement.measure == "value_at":
+        good = measurement.start <= (measurement.at or 0.0) <= end
+        reason = f"is {measurement.at:g} s, must lie between {measurement.start:g} and {end:g} s"
+        _require(good, where, "at", reason)
     if measurement.measure.startswith("harmonic"):
         _positive(measurement.frequency, where, "frequency")
     if measurement.reference is not None:

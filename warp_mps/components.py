@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 TENSORS = ("stress", "strain")
-SCALARS = ("von_mises", "strain_energy")
-AXIAL = ("rotation", "angular_momentum", "section_moment")
+SCALARS = ("von_mises", "strain_energy", "pressure", "elevation", "kinetic_energy", "volume")
+AXIAL = ("rotation", "angular_momentum", "section_moment", "contact_moment")
 # rows and columns of the components of a symmetric tensor; in a plane the third axis is its normal
 _PLACES = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
 

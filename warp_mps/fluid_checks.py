@@ -14,7 +14,7 @@ from warp_mps import scene as sc
 from warp_mps.requirements import choice, in_range, place, positive, require, vector
 
 if TYPE_CHECKING:
-    from warp_mps.scene import Fluid, Scene, VelocityField
+    from warp_mps.scene import Fluid, Probe, Scene, VelocityField
 
 # relative difference up to which spacings are the same
 SAME = 1e-6
@@ -45,6 +45,32 @@ def remarks(scene: Scene) -> list[str]:
         return []
     lines = [] if scene.walls else ["no walls: nothing holds the fluid"]
     return lines if any(scene.gravity) else [*lines, "no gravity: the fluid has no weight"]
+
+
+def probe_quantities(probe: Probe, scene: Scene) -> tuple[str, ...]:
+    """What a probe can record where it is."""
+    if probe.body in [wall.name for wall in scene.walls]:
+        return sc.WALL_QUANTITIES
+    if probe.body in [fluid.name for fluid in scene.fluids]:
+        return sc.FLUID_QUANTITIES["body"]
+    in_fluid = scene.fluids and probe.body is None
+    return (sc.FLUID_QUANTITIES if in_fluid else sc.PROBE_QUANTITIES)[probe.where]
+
+
+def check_probed_fluid(probe: Probe, scene: Scene, where: str) -> None:
+    """Check what only probes in fluids have.
+
+    Raises:
+        InputError: Something is not allowed.
+    """
+    if probe.quantity == "elevation":
+        require(any(scene.gravity), where, "quantity", "is 'elevation', which needs gravity to tell what is up")
+    if probe.moves_with is None:
+        return
+    good = bool(scene.fluids) and probe.point is not None
+    require(good, where, "moves_with", "is for a point in a scene of fluids")
+    known = [wall.name for wall in scene.walls]
+    require(probe.moves_with in known, where, "moves_with", f"names no wall: {probe.moves_with!r}")
 
 
 def check_velocity_field(field: VelocityField, scene: Scene, where: str) -> None:

@@ -14,6 +14,8 @@ y(t) is the chosen component of the probe between the measurement's start and en
 - ``final``: y(t_m).
 - ``restitution``: -y(t_m)/y(t_1), of a velocity component that reverses in an impact.
 - ``contact_time``: t_b - t_a, the first and last samples where abs(y) exceeds 1e-9 of its maximum.
+- ``value_at``: y at the time that is given, between two samples by a straight line.
+- ``time_at``: the first time at which y passes the value that is given or has it, likewise.
 - ``harmonic_amplitude``: sqrt(a^2 + b^2) of the least-squares fit y = a sin(omega t) + b cos(omega t) + C + (a second
   sinusoid), omega = 2 pi f given. The second sinusoid, of free frequency, takes up the natural oscillation that a
   start from rest leaves in an undamped body.
@@ -52,6 +54,9 @@ def evaluate(measurement: Measurement, times: np.ndarray, values: np.ndarray) ->
     if measurement.measure.startswith("harmonic"):
         sine, cosine = _harmonic(times, values, 2.0 * np.pi * measurement.frequency)
         return _phase(sine, cosine) if measurement.measure == "harmonic_phase" else float(np.hypot(sine, cosine))
+    if measurement.measure in _AT:
+        assert measurement.at is not None
+        return _AT[measurement.measure](times, values, measurement.at)
     value = _MEASURES[measurement.measure](times, values)
     return value / (2.0 * np.pi) if measurement.measure == "frequency" and measurement.unit == "Hz" else value
 
@@ -110,6 +115,24 @@ def _contact_time(times: np.ndarray, values: np.ndarray) -> float:
     return float(touching[-1] - touching[0])
 
 
+def _value_at(times: np.ndarray, values: np.ndarray, time: float) -> float:
+    slack = 1e-9 * abs(times[-1])
+    if not times[0] - slack <= time <= times[-1] + slack:
+        raise ValueError(f"the history is from {times[0]:g} to {times[-1]:g} s, without {time:g} s")
+    return float(np.interp(time, times, values))
+
+
+def _time_at(times: np.ndarray, values: np.ndarray, value: float) -> float:
+    above = values - value
+    passed = np.flatnonzero(above * above[0] <= 0.0)
+    if not len(passed):
+        raise ValueError(f"it never reaches {value:g}: it is between {values.min():g} and {values.max():g}")
+    k = int(passed[0])
+    if k == 0:
+        return float(times[0])
+    return float(times[k - 1] + (times[k] - times[k - 1]) * above[k - 1] / (above[k - 1] - above[k]))
+
+
 def _harmonic(times: np.ndarray, values: np.ndarray, omega: float) -> tuple[float, float]:
     """Coefficients of sin(omega t) and cos(omega t)."""
     sinusoid.require_samples(times)
@@ -126,6 +149,7 @@ def _phase(sine: float, cosine: float) -> float:
     return (degrees + 180.0) % 360.0 - 180.0
 
 
+_AT = {"value_at": _value_at, "time_at": _time_at}
 _MEASURES: dict[str, Callable[[np.ndarray, np.ndarray], float]] = {
     "frequency": _frequency,
     "period": lambda times, values: 2.0 * np.pi / _frequency(times, values),

@@ -40,25 +40,42 @@ MODAL_FIELDS = VELOCITY_FIELDS[:4]
 FLUID_SCHEMES = ("conservative", "corrected", "koshizuka_oka")
 NEGATIVE_PRESSURES = ("clipped", "allowed")
 OUTPUTS = ("stress", "strain", "von_mises", "strain_energy")
-_FIELDS = ("position", "displacement", "velocity", "rotation", *OUTPUTS)
+_FIELDS = ("position", "displacement", "velocity", "rotation", "pressure", *OUTPUTS)
+_WHOLE = ("position", "displacement", "velocity", "extent", "lowest", "highest")
+_MASSIVE = ("momentum", "angular_momentum", "kinetic_energy")
 PROBE_QUANTITIES = {
     "point": _FIELDS,
     "region": (*_FIELDS, "section_force", "section_moment"),
-    "body": ("position", "displacement", "velocity", "momentum", "angular_momentum", "extent", "contact_force"),
+    "body": (*_WHOLE, *_MASSIVE, "contact_force"),
     "support": ("reaction",),
 }
-# of what a probe of a body can record, what it can of a wall, which has no mass
-WALL_QUANTITIES = ("position", "displacement", "velocity", "extent", "contact_force")
+# what a probe can record of a wall, which has no mass, and in a scene of fluids
+WALL_QUANTITIES = (*_WHOLE, "contact_force", "contact_moment")
+FLUID_QUANTITIES = {
+    "point": ("pressure", "velocity", "elevation"),
+    "region": ("pressure", "velocity"),
+    "body": ("position", "velocity", "extent", "lowest", "highest", *_MASSIVE, "volume"),
+    "support": (),
+}
+# those that are taken about a point
+ABOUT_QUANTITIES = ("section_moment", "contact_moment")
 # unit of each quantity in 2-D, per metre of depth where it is extensive, and in 3-D
 PROBE_UNITS = {
     "position": ("m", "m"),
     "displacement": ("m", "m"),
     "velocity": ("m/s", "m/s"),
     "rotation": ("rad", "rad"),
+    "pressure": ("Pa", "Pa"),
+    "elevation": ("m", "m"),
     "extent": ("m", "m"),
+    "lowest": ("m", "m"),
+    "highest": ("m", "m"),
     "momentum": ("kg/s", "kg m/s"),
     "angular_momentum": ("kg m/s", "kg m^2/s"),
+    "kinetic_energy": ("J/m", "J"),
+    "volume": ("m^2", "m^3"),
     "contact_force": ("N/m", "N"),
+    "contact_moment": ("N", "N m"),
     "reaction": ("N/m", "N"),
     "stress": ("Pa", "Pa"),
     "strain": ("-", "-"),
@@ -82,7 +99,11 @@ MEASURES = (
     "contact_time",
     "harmonic_amplitude",
     "harmonic_phase",
+    "value_at",
+    "time_at",
 )
+# measures that need `Measurement.at`
+AT_MEASURES = ("value_at", "time_at")
 
 
 # units of what is not in the unit of its probe
@@ -90,6 +111,7 @@ MEASURE_UNITS = {
     "frequency": ("rad/s", "Hz"),
     "period": ("s",),
     "contact_time": ("s",),
+    "time_at": ("s",),
     "restitution": ("-",),
     "harmonic_phase": ("deg",),
 }
@@ -131,7 +153,7 @@ class VelocityField:
     at right angles to the axis, and k = 2 pi / length:
 
     - ``stagnation``: rate * (x - origin) along the axis, -rate/(d - 1) * (x - origin) across it.
-    - ``taylor_green``: amplitude * sin(k s) cos(k q) - axis * abs(amplitude) * cos(k s) sin(k q), a pattern of vortices.
+    - ``taylor_green``: amplitude * sin(k s) cos(k q) - axis * abs(amplitude) * cos(k s) sin(k q), vortices.
     - ``standing_wave``: linear waves as they pass through the level, on water from q = 0, the bottom, to q = depth
       (Lamb, Hydrodynamics, section 228):
       (amplitude * cos(k s) sinh(k q) - axis * abs(amplitude) * sin(k s) cosh(k q)) / sinh(k depth).
@@ -411,7 +433,9 @@ class Probe:
     """A quantity recorded through the run: at a point, averaged over a region, of a body or wall, or of a support.
 
     Exactly one of `point`, `region`, `body` and `support` is given; `PROBE_QUANTITIES` lists what each can record
-    (a region records the mean of what a point does, and a wall has the `WALL_QUANTITIES`). A rotation is that of a
+    (a region records the mean of what a point does, and a wall has the `WALL_QUANTITIES`). In a scene of fluids points
+    and regions stay where they are while the fluid goes through them, and have the `FLUID_QUANTITIES`, as a fluid has;
+    `warp_mps.observers.fluid_sampling` defines these. A rotation is that of a
     rotation vector: its angle lies between -pi and pi, with the springs model in 2-D between -4 pi and 4 pi.
     `warp_mps.elastic.stresses` defines stress and strain; `strain_energy` is per reference volume.
 
@@ -419,14 +443,19 @@ class Probe:
     on them through it, the sum of the elastic and viscous forces on them, and `section_moment` its moment about the
     point `about`, which moves with the body. Contact, loads, weight and supports have no part in them.
 
+    A `contact_force` on a wall is that of the bodies or the fluid that touch it, and `contact_moment` its moment about
+    the point `about`, which moves with the wall. `lowest` and `highest` are the bounds of the space that a body's
+    particles, half a spacing wide to each side, take up along every axis, and `extent` their difference.
+
     Attributes:
         name: Name, the column of probes.csv.
         quantity: What is recorded.
-        point: Point of the undeformed scene, inside a body [m].
+        point: Point of the undeformed scene, inside a body [m]; in a scene of fluids any point.
         region: Shape over whose particles the mean is taken.
-        body: Name of a body or a wall.
+        body: Name of a body, a wall or a fluid.
         support: Name of a support.
-        about: Point of the undeformed scene, inside a body, about which a `section_moment` is taken [m].
+        about: Point of the undeformed scene about which a moment is taken [m], of a `section_moment` inside a body.
+        moves_with: In a scene of fluids, name of the wall that the point is fixed to; None leaves it where it is.
         path: Where it was described, for error messages.
     """
 
@@ -437,6 +466,7 @@ class Probe:
     body: str | None = None
     support: str | None = None
     about: Vector | None = None
+    moves_with: str | None = None
     path: str = ""
 
     @property
@@ -460,6 +490,7 @@ class Measurement:
         start: Beginning of the history that is used [s].
         end: End of the history that is used [s]; None is the end of the run.
         frequency: Frequency of the harmonic measures [Hz].
+        at: The time of ``value_at`` [s], the value of ``time_at`` in the unit of its probe.
     """
 
     name: str
@@ -472,6 +503,7 @@ class Measurement:
     start: float = 0.0
     end: float | None = None
     frequency: float = 0.0
+    at: float | None = None
     path: str = ""
 
 

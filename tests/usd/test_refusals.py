@@ -97,7 +97,7 @@ def refusal(path: Path, **options: Any) -> InputError:
         ({"Scene": ('token[] mps:outputs = ["stress", "heat"]',)}, "/Scene", "mps:outputs", "'heat', must be one of"),
         ({"Scene": ('string[] mps:outputs = ["stress"]',)}, "/Scene", "mps:outputs", "must be token[], not string[]"),
         ({"Scene": ('token[] mps:outputs = ["strain", "strain"]',)}, "/Scene", "mps:outputs", "names a quantity twice"),
-        ({"P": (*PROBE, "rel mps:target = </Steel>")}, "/P", "mps:target", "one body, one wall or one support"),
+        ({"P": (*PROBE, "rel mps:target = </Steel>")}, "/P", "mps:target", "one body, wall, fluid or support"),
         ({"P": (*PROBE, "double3 xformOp:translate = (0, 0, 1)", MOVE)}, "/P", "xformOpOrder", "out of the plane"),
         ({"M": MEASUREMENT}, "/M", "mps:probe", "is missing"),
         ({"M": (*MEASUREMENT, *NORMAL), "P": PROBE}, "/M", "mps:component", "must be one of: x, y"),

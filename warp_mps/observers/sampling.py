@@ -11,7 +11,9 @@ from warp_mps.checks import place
 from warp_mps.components import TENSORS, component_names, tensor_places
 from warp_mps.errors import InputError
 from warp_mps.observers.base import View
+from warp_mps.observers.fluid_sampling import sample_of_fluid, volume
 from warp_mps.observers.interpolation import interpolate
+from warp_mps.observers.rigid_point import rigid_point
 from warp_mps.particles import Particles, select
 from warp_mps.scene import PROBE_UNITS, Probe, Scene
 
@@ -19,6 +21,7 @@ FIELDS = {
     "displacement": "displacements",
     "velocity": "velocities",
     "rotation": "rotations",
+    "pressure": "pressures",
     "stress": "stresses",
     "strain": "strains",
     "von_mises": "von_mises",
@@ -47,10 +50,12 @@ def make_sampler(probe: Probe, scene: Scene, particles: Particles) -> Sampler:
         InputError: The probe lies outside every body, or its region holds no particle.
     """
     if probe.body is not None:
-        sample = _of_body(probe.quantity, particles, particles.names.index(probe.body))
+        sample = _of_body(probe, particles)
     elif probe.support is not None:
         support = next(support for support in scene.supports if support.name == probe.support)
         sample = _sum("reactions", select(particles, support.region, support.bodies))
+    elif scene.fluids:
+        sample = sample_of_fluid(probe, scene, particles)
     else:
         sample = _of_place(probe, particles)
     return Sampler(_labels(probe, scene), sample)
@@ -81,22 +86,29 @@ def _of_place(probe: Probe, particles: Particles) -> Sample:
     return _mean(probe.quantity, weights @ particles.positions[indices], indices, weights)
 
 
-def _of_body(quantity: str, particles: Particles, body: int) -> Sample:
-    first, last = particles.ranges[body]
+def _of_body(probe: Probe, particles: Particles) -> Sample:
+    """Of a body, a wall or a fluid."""
+    assert probe.body is not None
+    first, last = particles.ranges[particles.names.index(probe.body)]
     indices = np.arange(first, last)
-    masses = particles.masses[indices]
-    if quantity == "contact_force":
-        return _sum("contact_forces", indices)
-    if quantity == "momentum":
-        return lambda view: masses @ view.velocities[indices]
-    if quantity == "angular_momentum":
-        return _angular_momentum(particles, indices)
-    if quantity == "extent":
-        # a particle reaches half a spacing beyond its centre
-        width = particles.spacings[first]
-        return lambda view: np.ptp(view.positions[indices], axis=0) + width
+    masses, width = particles.masses[indices], float(particles.spacings[first])
     weights = masses / masses.sum()
-    return _mean(quantity, weights @ particles.positions[indices], indices, weights)
+    # a particle reaches half a spacing beyond its centre
+    samples: dict[str, Sample] = {
+        "contact_force": _sum("contact_forces", indices),
+        "momentum": lambda view: masses @ view.velocities[indices],
+        "angular_momentum": _angular_momentum(particles, indices),
+        "kinetic_energy": lambda view: np.atleast_1d(0.5 * masses @ np.sum(view.velocities[indices] ** 2, axis=1)),
+        "extent": lambda view: np.ptp(view.positions[indices], axis=0) + width,
+        "lowest": lambda view: view.positions[indices].min(axis=0) - 0.5 * width,
+        "highest": lambda view: view.positions[indices].max(axis=0) + 0.5 * width,
+        "volume": lambda view: np.atleast_1d(volume(view.positions[indices], width)),
+    }
+    if probe.quantity == "contact_moment":
+        return _contact_moment(probe, particles, indices)
+    if probe.quantity in samples:
+        return samples[probe.quantity]
+    return _mean(probe.quantity, weights @ particles.positions[indices], indices, weights)
 
 
 def _mean(quantity: str, origin: np.ndarray, indices: np.ndarray, weights: np.ndarray) -> Sample:
@@ -123,6 +135,17 @@ def _section_moment(probe: Probe, particles: Particles, indices: np.ndarray) -> 
     def sample(view: View) -> np.ndarray:
         moved = view.displacements[indices] - weights @ view.displacements[near]
         return (_cross(arms + moved, view.elastic_forces[indices]) + view.elastic_torques[indices]).sum(axis=0)
+
+    return sample
+
+
+def _contact_moment(probe: Probe, particles: Particles, indices: np.ndarray) -> Sample:
+    """Sum of (x - c) cross f, c the point `about` of the wall, which moves with it."""
+    assert probe.body is not None
+    locate = rigid_point(particles, probe.body, np.asarray(probe.about, dtype=float))
+
+    def sample(view: View) -> np.ndarray:
+        return _cross(view.positions[indices] - locate(view), view.contact_forces[indices]).sum(axis=0)
 
     return sample
 

@@ -6,13 +6,13 @@ from warp_mps.errors import InputError
 from warp_mps.usd import rows
 from warp_mps.usd.rows import Attribute
 
-ROLES = ("body", "part", "wall", "support", "load", "probe", "measurement")
+ROLES = ("body", "part", "wall", "fluid", "support", "load", "probe", "measurement")
 ROLE = "mps:role"
 
 TABLE: dict[str, dict[str, Attribute]] = {
     part[0].role: {row.name: row for row in part}
     for part in (
-        *(rows.SCENE, rows.BODY, rows.PART, rows.WALL, rows.MATERIAL),
+        *(rows.SCENE, rows.BODY, rows.PART, rows.WALL, rows.FLUID, rows.MATERIAL, rows.LIQUID),
         *(rows.SUPPORT, rows.LOAD, rows.PROBE, rows.MEASUREMENT),
     )
 }

@@ -9,6 +9,8 @@ from pxr import Usd, UsdGeom, UsdPhysics
 
 from warp_mps.errors import InputError
 from warp_mps.scene import (
+    VELOCITY_FIELD_PARTS,
+    Flow,
     HarmonicMotion,
     HarmonicRotation,
     StageFrame,
@@ -101,14 +103,28 @@ def scalar_turn(fields: dict[str, Any]) -> dict[str, Any]:
 def velocity_field(values: Values) -> VelocityField | None:
     """The velocity that varies along a body, if it has one."""
     kind = values.get("mps:velocityField")
-    names = ("amplitude", "rate", "axis", "origin", "length", "mode")
+    names = ("amplitude", "rate", "axis", "origin", "length", "depth", "mode")
     if kind is None:
         return None
-    for part in ("rate" if kind == "twist" else "amplitude", "axis", "origin", "length"):
+    for part in VELOCITY_FIELD_PARTS[kind]:
         if not values.given(f"mps:velocityField:{part}"):
             raise InputError(values.path, f"mps:velocityField:{part}", "is missing: mps:velocityField needs it")
     return VelocityField(
         kind=kind, **values.fields(*(f"mps:velocityField:{part}" for part in names), prefix="velocity_field.")
+    )
+
+
+def flow(values: Values) -> Flow:
+    """How fluids are computed."""
+    names = ("fluidScheme", "fluidEffectiveRadius", "negativePressure", "pressureTolerance", "fluidCourant")
+    low, high = (values.get(f"mps:domain{corner}") for corner in ("Low", "High"))
+    for corner, own, other in (("Low", low, high), ("High", high, low)):
+        if own is None and other is not None:
+            raise InputError(values.path, f"mps:domain{corner}", "is missing: a domain has two corners")
+    return Flow(
+        domain=(low, high) if low else None,
+        periodic=values.axes("mps:periodicAxes", values.frame.stage.axes),
+        **values.fields(*(f"mps:{name}" for name in names), prefix="flow."),
     )
 
 

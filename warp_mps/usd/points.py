@@ -26,6 +26,7 @@ PALETTE = (
     (0.55, 0.57, 0.60),
 )
 WALL_COLOR = (0.72, 0.72, 0.70)
+LIQUID_COLOR = (0.16, 0.45, 0.75)
 
 
 class PointsFile:
@@ -159,7 +160,9 @@ def _define_body(stage: Any, particles: Particles, index: int, frame: StageFrame
     width = _width(particles, (first, last), frame)
     points.CreateWidthsAttr(Vt.FloatArray.FromNumpy(np.full(last - first, width, dtype=np.float32)))
     points.SetWidthsInterpolation(UsdGeom.Tokens.vertex)
-    color = PALETTE[index % len(PALETTE)] if index < particles.elastic_bodies else WALL_COLOR
+    color = PALETTE[index % len(PALETTE)]
+    if index >= particles.elastic_bodies:
+        color = LIQUID_COLOR if first >= particles.count - particles.liquid else WALL_COLOR
     points.CreateDisplayColorPrimvar(UsdGeom.Tokens.constant).Set([Gf.Vec3f(*color)])
     for create in (points.CreatePointsAttr, points.CreateVelocitiesAttr, points.CreateExtentAttr):
         create()

@@ -15,6 +15,7 @@ from warp_mps.scene import (
     Contact,
     Elasticity,
     Fluid,
+    Liquid,
     Load,
     Material,
     Measurement,
@@ -30,6 +31,9 @@ from warp_mps.usd.attributes import ROLE, stage_error
 from warp_mps.usd.geometry import has_shape, read_shape
 from warp_mps.usd.opening import open_stage, quiet
 from warp_mps.usd.values import Values
+
+# roles of what is filled with particles
+FILLED = ("body", "wall", "fluid")
 
 
 def read_stage(path: str | Path, *, overrides: Mapping[str, str] | None = None) -> Scene:
@@ -73,12 +77,12 @@ class _Reader:
         prims = list(stage.Traverse(Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)))
         self.physics = parts.physics_scene(prims, path)
         self.parts = parts.by_role(prims)
-        if not self.parts["body"]:
-            raise InputError(path, "", f'there is no body: no prim has {ROLE} = "body"')
+        if not self.parts["body"] and not self.parts["fluid"]:
+            raise InputError(path, "", f'there is no body and no fluid: no prim has {ROLE} = "body" or "fluid"')
         self.names = {role: parts.unique_names(prims) for role, prims in self.parts.items()}
-        # bodies and walls stand side by side in results
-        filled = parts.unique_names([*self.parts["body"], *self.parts["wall"]])
-        for role in ("body", "wall"):
+        # bodies, walls and fluids stand side by side in results
+        filled = parts.unique_names([prim for role in FILLED for prim in self.parts[role]])
+        for role in FILLED:
             self.names[role] = {path: filled[path] for path in self.names[role]}
         self.frame = parts.frame(stage, self.physics)
 
@@ -98,6 +102,7 @@ class _Reader:
             gravity=parts.gravity(self.stage, self.physics, self.frame),
             bodies=tuple(self._body(prim) for prim in self.parts["body"]),
             walls=tuple(self._wall(prim) for prim in self.parts["wall"]),
+            fluids=tuple(self._fluid(prim) for prim in self.parts["fluid"]),
             supports=tuple(self._support(prim) for prim in self.parts["support"]),
             loads=tuple(self._load(prim) for prim in self.parts["load"]),
             probes=tuple(probes.values()),
@@ -106,6 +111,7 @@ class _Reader:
                 **values.fields("mps:elasticModel", "mps:effectiveRadius", "mps:normalization", "mps:control")
             ),
             contact=Contact(**{renamed[field]: value for field, value in contact.items()}),
+            flow=parts.flow(values),
             stage=self.frame.stage,
             path=values.path,
             **options,
@@ -136,6 +142,27 @@ class _Reader:
             path=values.path,
             **values.fields("mps:spacing", "mps:slip", "mps:friction"),
         )
+
+    def _fluid(self, prim: Usd.Prim) -> Fluid:
+        values = self._values(prim, "fluid")
+        return Fluid(
+            name=self._name(prim, "fluid"),
+            shape=self._region(values),
+            liquid=self._liquid(prim),
+            node_axes=values.axes("mps:nodeAxes", "xyz"),
+            velocity_field=parts.velocity_field(values),
+            path=values.path,
+            **parts.scalar_turn(values.fields("mps:spacing", "mps:velocity", "mps:angularVelocity")),
+        )
+
+    def _liquid(self, prim: Usd.Prim) -> Liquid:
+        """The liquid that is bound to a fluid; water if none is."""
+        bound, _ = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial("physics")
+        given: dict[str, Any] = {"path": str(prim.GetPath())}
+        if bound:
+            values = self._values(bound.GetPrim(), "liquid")
+            given = {"path": values.path, **values.fields("physics:density", "mps:viscosity")}
+        return Liquid(**{**given, **self._own_density(prim)})
 
     def _part(self, prim: Usd.Prim) -> Part:
         values = self._values(prim, "part")
@@ -204,15 +231,22 @@ class _Reader:
             place = {"region": self._region(values)}
         else:
             place = {"point": parts.origin(prim, self.frame)}
+        carriers = self._named(values, "mps:movesWith", "wall")
+        if len(carriers) > 1:
+            raise InputError(values.path, "mps:movesWith", "must lead to one wall")
         return Probe(
-            name=self._name(prim, "probe"), path=values.path, **place, **values.fields("mps:quantity", "mps:about")
+            name=self._name(prim, "probe"),
+            moves_with=carriers[0] if carriers else None,
+            path=values.path,
+            **place,
+            **values.fields("mps:quantity", "mps:about"),
         )
 
     def _target(self, values: Values, targets: list[str]) -> dict[str, str]:
-        for role, field in (("body", "body"), ("wall", "body"), ("support", "support")):
+        for role, field in (*((role, "body") for role in FILLED), ("support", "support")):
             if len(targets) == 1 and targets[0] in self.names[role]:
                 return {field: self.names[role][targets[0]]}
-        raise InputError(values.path, "mps:target", "must lead to one body, one wall or one support")
+        raise InputError(values.path, "mps:target", "must lead to one body, wall, fluid or support")
 
     def _measurement(self, prim: Usd.Prim, known: Mapping[str, Probe]) -> Measurement:
         values = self._values(prim, "measurement")
@@ -226,7 +260,7 @@ class _Reader:
             component=component,
             path=values.path,
             **values.fields("mps:measure", "mps:reference", "mps:unit", "mps:source"),
-            **values.fields("mps:start", "mps:end", "mps:frequency"),
+            **values.fields("mps:start", "mps:end", "mps:frequency", "mps:at"),
         )
 
     def _component(self, values: Values, quantity: str) -> int:

@@ -67,7 +67,11 @@ _RADIANS: dict[str, Any] = {"unit": "rad", "default": 0.0}
 _LENGTH: dict[str, Any] = {"unit": "L", "length": 1}
 _VELOCITY: dict[str, Any] = {"unit": "L/s", "length": 1}
 _ACCELERATION: dict[str, Any] = {"unit": "L/s^2", "length": 1}
-_PROBES = tuple(dict.fromkeys(quantity for names in sc.PROBE_QUANTITIES.values() for quantity in names))
+_PROBES = tuple(dict.fromkeys(
+    quantity
+    for names in (*sc.PROBE_QUANTITIES.values(), sc.WALL_QUANTITIES, *sc.FLUID_QUANTITIES.values())
+    for quantity in names
+))
 
 SCENE = _table(
     "scene",
@@ -113,6 +117,26 @@ SCENE = _table(
          default=_default(sc.Contact, "stiffness")),
     _row("mps:friction", "double", "friction", "coefficient of friction of contacts, at least 0",
          default=_default(sc.Contact, "friction")),
+    _row("mps:fluidScheme", "token", "flow.scheme",
+         "fluids: pair forces that conserve momentum, gradients exact for linear pressures, or the original MPS",
+         default=_default(sc.Flow, "scheme"), allowed=sc.FLUID_SCHEMES),
+    _row("mps:fluidEffectiveRadius", "double", "flow.effective_radius",
+         "fluids: effective radius in particle spacings, 1.5 to 4.1; if not given, 3.1 in 2-D and 2.1 in 3-D"),
+    _row("mps:negativePressure", "token", "flow.negative_pressure",
+         "fluids: whether pressures below 0 are cut off, or the liquid can pull",
+         default=_default(sc.Flow, "negative_pressure"), allowed=sc.NEGATIVE_PRESSURES),
+    _row("mps:pressureTolerance", "double", "flow.tolerance",
+         "fluids: relative residual of the pressure solve, above 0 and at most 0.1",
+         default=_default(sc.Flow, "tolerance")),
+    _row("mps:fluidCourant", "double", "flow.courant",
+         "fluids: time step in units of spacing / speed of the fastest particle, above 0 and at most 1",
+         default=_default(sc.Flow, "courant")),
+    _row("mps:domainLow", "double3", "flow.domain.low",
+         "fluids: lowest corner of the region that is computed; particles that leave it are left out",
+         nature="point", **_LENGTH),
+    _row("mps:domainHigh", "double3", "flow.domain.high", "fluids: its highest corner", nature="point", **_LENGTH),
+    _row("mps:periodicAxes", "token", "flow.periodic",
+         "fluids: axes of the stage, such as `x` or `xz`, along which the region repeats itself"),
 )
 
 MATERIAL = _table(
@@ -130,32 +154,53 @@ MATERIAL = _table(
          default=_default(sc.Material, "retardation_time")),
 )
 
+LIQUID = _table(
+    "liquid",
+    _row("physics:density", "float", "density",
+         "density, above 0; a fluid's own, by PhysicsMassAPI, wins; 1000 kg/m^3 if not given", unit="M/L^3", mass=1,
+         length=-3),
+    _row("mps:viscosity", "double", "viscosity", "kinematic viscosity, at least 0; 1e-6 m^2/s if not given",
+         unit="L^2/s", length=2),
+)
+
 _INNER = _row("mps:innerRadius", "double", "inner_radius", "radius of the bore of a Cylinder, less than its radius",
      default=0.0, **_LENGTH)
 
-BODY = _table(
-    "body",
+_FILLED = (
     _row("mps:spacing", "double", "spacing", "particle spacing, above 0", required=True, **_LENGTH),
     _INNER,
     _row("mps:nodeAxes", "token", "node_axes",
          "the shape's own axes, such as `xz`, along which the outermost particles lie on the faces"),
+)
+_START = (
     _row("mps:velocity", "double3", "velocity", "initial velocity, along the stage's axes", **_VELOCITY),
     _row("mps:angularVelocity", "double3", "angular_velocity", "initial angular velocity about the centre of mass",
          unit="rad/s", nature="axial"),
     _row("mps:velocityField", "token", "velocity_field", "initial velocity that varies along the body",
          allowed=sc.VELOCITY_FIELDS),
     _row("mps:velocityField:amplitude", "double3", "velocity_field.amplitude",
-         "velocity where the shape is 1, of all but `twist`", **_VELOCITY),
-    _row("mps:velocityField:rate", "double", "velocity_field.rate", "`twist`: angular velocity where the shape is 1",
-         unit="rad/s"),
+         "velocity where the shape is 1, of all but `twist` and `stagnation`", **_VELOCITY),
+    _row("mps:velocityField:rate", "double", "velocity_field.rate",
+         "`twist`: angular velocity where the shape is 1; `stagnation`: rate of stretching", unit="rad/s"),
     _row("mps:velocityField:axis", "double3", "velocity_field.axis",
          "direction along which the shape varies, axis of a twist"),
     _row("mps:velocityField:origin", "double3", "velocity_field.origin", "point where the shape begins",
          nature="point", **_LENGTH),
-    _row("mps:velocityField:length", "double", "velocity_field.length", "length over which it varies", **_LENGTH),
+    _row("mps:velocityField:length", "double", "velocity_field.length",
+         "length over which it varies, wave length of `taylor_green` and `standing_wave`", **_LENGTH),
+    _row("mps:velocityField:depth", "double", "velocity_field.depth", "`standing_wave`: depth of the water",
+         **_LENGTH),
     _row("mps:velocityField:mode", "int", "velocity_field.mode", "number of the mode, from 1", default=1),
+)
+
+BODY = _table(
+    "body",
+    *_FILLED,
+    *_START,
     _row("mps:bondedTo", "rel", "bonded_to", "bodies that it is joined to, their particles neighbours as of one body"),
 )
+
+FLUID = _table("fluid", *_FILLED, *_START)
 
 _MOTION = (
     _row("mps:motion:amplitude", "double3", "motion.amplitude",
@@ -171,10 +216,7 @@ _MOTION = (
 
 WALL = _table(
     "wall",
-    _row("mps:spacing", "double", "spacing", "particle spacing, above 0", required=True, **_LENGTH),
-    _INNER,
-    _row("mps:nodeAxes", "token", "node_axes",
-         "the shape's own axes, such as `xz`, along which the outermost particles lie on the faces"),
+    *_FILLED,
     _row("mps:friction", "double", "friction",
          "coefficient of friction of bodies on it; that of the scene if not given"),
     _row("mps:slip", "token", "slip", "whether fluid slides along it freely, or not at all",
@@ -228,9 +270,12 @@ PROBE = _table(
     "probe",
     _row("mps:quantity", "token", "quantity", "what is recorded, of those that its place has",
          default=_default(sc.Probe, "quantity"), allowed=_PROBES),
-    _row("mps:target", "rel", "target", "a body, a wall or a support that it records, instead of a place"),
-    _row("mps:about", "double3", "about", "point inside a body about which a `section_moment` is taken",
+    _row("mps:target", "rel", "target", "a body, wall, fluid or support that it records, instead of a place"),
+    _row("mps:about", "double3", "about",
+         "point about which a moment is taken: a `section_moment` inside a body, a `contact_moment` anywhere",
          nature="point", **_LENGTH),
+    _row("mps:movesWith", "rel", "moves_with",
+         "among fluids, the wall that a point is fixed to; it stays where it is if not given"),
     _INNER,
 )
 
@@ -249,5 +294,6 @@ MEASUREMENT = _table(
     _row("mps:start", "double", "start", "beginning of the history that is used", unit="s", default=0.0),
     _row("mps:end", "double", "end", "end of the history that is used; of the run if not given", **_SECONDS),
     _row("mps:frequency", "double", "frequency", "frequency of the harmonic measures", **_HERTZ),
+    _row("mps:at", "double", "at", "time of `value_at`, in s; value of `time_at`, in SI units"),
 )
 # fmt: on

@@ -14,7 +14,7 @@ from warp_mps.components import component_names
 from warp_mps.errors import InputError
 from warp_mps.shapes import Cylinder, Points
 from warp_mps.usd import register_schema
-from warp_mps.usd.attributes import ROLE, TABLE
+from warp_mps.usd.attributes import ROLE, ROLES, TABLE
 from warp_mps.usd.frame import Frame
 from warp_mps.usd.opening import quiet
 from warp_mps.usd.save_shape import lattice_axes, save_shape
@@ -60,7 +60,7 @@ class _Writer:
         self.paths = {
             kind: {item.name: f"{ROOT}/{kind}/{item.name}" for item in items}
             for kind, items in (
-                *(("Bodies", scene.bodies), ("Walls", scene.walls)),
+                *(("Bodies", scene.bodies), ("Walls", scene.walls), ("Fluids", scene.fluids)),
                 *(("Supports", scene.supports), ("Probes", scene.probes)),
             )
         }
@@ -80,6 +80,8 @@ class _Writer:
                 self._part(part, body)
         for wall in self.scene.walls:
             self._wall(wall)
+        for fluid in self.scene.fluids:
+            self._fluid(fluid)
         for support in self.scene.supports:
             self._support(support)
         for number, load in enumerate(self.scene.loads):
@@ -115,22 +117,46 @@ class _Writer:
             "mps:contact": scene.contact.between,
             "mps:contactStiffness": scene.contact.stiffness,
             "mps:friction": scene.contact.friction,
+            **self._flow(),
         }
         self._author(physics.GetPrim(), "scene", values)
+
+    def _flow(self) -> dict[str, Any]:
+        flow = self.scene.flow
+        corners = dict(zip(("mps:domainLow", "mps:domainHigh"), flow.domain or (None, None), strict=True))
+        return {
+            "mps:fluidScheme": flow.scheme,
+            "mps:fluidEffectiveRadius": flow.effective_radius,
+            "mps:negativePressure": flow.negative_pressure,
+            "mps:pressureTolerance": flow.tolerance,
+            "mps:fluidCourant": flow.courant,
+            "mps:periodicAxes": "".join(self.frame.stage.axes[axis] for axis in flow.periodic) or None,
+            **corners,
+        }
 
     def _body(self, body: sc.Body) -> None:
         prim = self._region("Bodies", body.name, body, body.shape)
         UsdShade.MaterialBindingAPI.Apply(prim).Bind(self._material(body.material), materialPurpose="physics")
-        axes = lattice_axes(body.shape, body.node_axes, self.frame)
-        values: dict[str, Any] = {"mps:spacing": body.spacing, "mps:nodeAxes": axes or None}
-        values |= {"mps:velocity": body.velocity, "mps:angularVelocity": body.angular_velocity}
-        if body.velocity_field:
-            values["mps:velocityField"] = body.velocity_field.kind
-            for part in ("amplitude", "rate", "axis", "origin", "length", "mode"):
-                values[f"mps:velocityField:{part}"] = getattr(body.velocity_field, part)
-        self._author(prim, "body", values)
+        self._author(prim, "body", self._start(body))
         self._relate(prim, "mps:bondedTo", "Bodies", body.bonded_to)
         self._widths(prim, body)
+
+    def _fluid(self, fluid: sc.Fluid) -> None:
+        prim = self._region("Fluids", fluid.name, fluid, fluid.shape)
+        UsdShade.MaterialBindingAPI.Apply(prim).Bind(self._material(fluid.liquid), materialPurpose="physics")
+        self._author(prim, "fluid", self._start(fluid))
+        self._widths(prim, fluid)
+
+    def _start(self, item: sc.Body | sc.Fluid) -> dict[str, Any]:
+        """Lattice and initial velocity of a body or a fluid."""
+        axes = lattice_axes(item.shape, item.node_axes, self.frame)
+        values: dict[str, Any] = {"mps:spacing": item.spacing, "mps:nodeAxes": axes or None}
+        values |= {"mps:velocity": item.velocity, "mps:angularVelocity": item.angular_velocity}
+        if item.velocity_field:
+            values["mps:velocityField"] = item.velocity_field.kind
+            for part in ("amplitude", "rate", "axis", "origin", "length", "depth", "mode"):
+                values[f"mps:velocityField:{part}"] = getattr(item.velocity_field, part)
+        return values
 
     def _wall(self, wall: sc.Wall) -> None:
         prim = self._region("Walls", wall.name, wall, wall.shape)
@@ -144,7 +170,7 @@ class _Writer:
         self._author(prim, "wall", values)
         self._widths(prim, wall)
 
-    def _widths(self, prim: Usd.Prim, item: sc.Body | sc.Wall) -> None:
+    def _widths(self, prim: Usd.Prim, item: sc.Body | sc.Wall | sc.Fluid) -> None:
         if isinstance(item.shape, Points):
             count = len(item.shape.positions)
             width = item.spacing / self.frame.stage.meters_per_unit
@@ -156,7 +182,7 @@ class _Writer:
         self._author(prim, "part", {})
         self._relate(prim, "mps:body", "Bodies", (body.name,))
 
-    def _material(self, material: sc.Material) -> UsdShade.Material:
+    def _material(self, material: sc.Material | sc.Liquid) -> UsdShade.Material:
         """The prim of a material, one for all that are equal, named after what is made of it."""
         path = f"{ROOT}/Materials/{self.materials[material]}"
         if self.stage.GetPrimAtPath(path):
@@ -165,6 +191,9 @@ class _Writer:
         shade = UsdShade.Material.Define(self.stage, path)
         density = material.density / self.frame.factor(TABLE["material"]["physics:density"])
         UsdPhysics.MaterialAPI.Apply(shade.GetPrim()).CreateDensityAttr(density)
+        if isinstance(material, sc.Liquid):
+            self._author(shade.GetPrim(), "liquid", {"mps:viscosity": material.viscosity})
+            return shade
         values: dict[str, Any] = {"mps:youngsModulus": material.youngs_modulus}
         values |= {"mps:poissonsRatio": material.poissons_ratio, "mps:law": material.law}
         values["mps:retardationTime"] = material.retardation_time
@@ -197,7 +226,8 @@ class _Writer:
             if probe.point is not None:
                 xform.AddTranslateOp().Set(Gf.Vec3d(*self.frame.vectors_to_stage(probe.point, _POINT).tolist()))
         self._author(prim, "probe", {"mps:quantity": probe.quantity, "mps:about": probe.about})
-        filled = "Walls" if probe.body in self.paths["Walls"] else "Bodies"
+        filled = next((kind for kind in ("Walls", "Fluids") if probe.body in self.paths[kind]), "Bodies")
+        self._relate(prim, "mps:movesWith", "Walls", () if probe.moves_with is None else (probe.moves_with,))
         for kind, name in ((filled, probe.body), ("Supports", probe.support)):
             self._relate(prim, "mps:target", kind, () if name is None else (name,))
 
@@ -207,7 +237,7 @@ class _Writer:
         path = self._place("Measurements", f"{name}_{number}" if taken else name, measurement)
         prim = UsdGeom.Scope.Define(self.stage, path).GetPrim()
         prim.SetDisplayName(measurement.name)
-        parts = ("measure", "unit", "reference", "source", "start", "end", "frequency")
+        parts = ("measure", "unit", "reference", "source", "start", "end", "frequency", "at")
         values = {f"mps:{part}": getattr(measurement, part) for part in parts}
         probe = next(probe for probe in self.scene.probes if probe.name == measurement.probe)
         names = component_names(probe.quantity, self.frame.stage.axes)
@@ -236,7 +266,7 @@ class _Writer:
     def _author(self, prim: Usd.Prim, role: str, values: dict[str, Any]) -> None:
         """Write the values that are not None and differ from the default."""
         prim.AddAppliedSchema(f"Mps{role.capitalize()}API")
-        if role not in ("scene", "material"):
+        if role in ROLES:
             prim.CreateAttribute(ROLE, Sdf.ValueTypeNames.Token, custom=False).Set(role)
         for name, value in values.items():
             row = TABLE[role][name]
@@ -255,16 +285,17 @@ def _moving(kind: str, motion: Any) -> dict[str, Any]:
     return {f"mps:{kind}:{item.name}": getattr(motion, item.name) for item in fields(motion)} if motion else {}
 
 
-def _material_names(scene: sc.Scene) -> dict[sc.Material, str]:
-    """A name for each different material."""
+def _material_names(scene: sc.Scene) -> dict[sc.Material | sc.Liquid, str]:
+    """A name for each different material and liquid."""
     items: list[sc.Body | sc.Part] = [*scene.bodies, *(part for body in scene.bodies for part in body.parts)]
-    names: dict[sc.Material, str] = {}
-    for item in items:
-        if item.material not in names:
-            name = item.name
+    made = [(item.name, item.material) for item in items] + [(fluid.name, fluid.liquid) for fluid in scene.fluids]
+    names: dict[sc.Material | sc.Liquid, str] = {}
+    for owner, material in made:
+        if material not in names:
+            name = owner
             while name in names.values():
                 name += "_"
-            names[item.material] = name
+            names[material] = name
     return names
 
 

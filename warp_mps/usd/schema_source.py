@@ -17,6 +17,8 @@ MEANINGS = {
     "body": "An elastic body, filled with particles.",
     "part": "A region of a body that is made of a material of its own.",
     "wall": "A rigid body that others touch, at rest or on a prescribed motion.",
+    "fluid": "A body of liquid, filled with particles.",
+    "liquid": "An incompressible, Newtonian liquid.",
     "material": "A linear elastic material.",
     "support": "A region whose particles are held or moved.",
     "load": "A region whose particles are pulled.",
