@@ -1,0 +1,34 @@
+"""Every kernel of fluids compiles for CUDA, on a machine without a GPU as well."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+import warp as wp
+
+from warp_mps.core.kit import PRECISIONS, kit
+from warp_mps.fluid.fluids import declare_kernels
+from warp_mps.fluid.gradient import gradient_kernels
+from warp_mps.fluid.lists import METHOD, list_kernels
+from warp_mps.fluid.motion import motion_kernels
+from warp_mps.fluid.pressure import pressure_kernels
+
+
+@pytest.mark.parametrize("precision", PRECISIONS)
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_every_kernel_compiles_for_cuda(dimension: int, precision: str, tmp_path: Path) -> None:
+    numbers = kit(dimension, precision)
+    assert numbers.module(METHOD) in declare_kernels(numbers)
+    wp.compile_aot_module(numbers.module(METHOD), arch=80, module_dir=tmp_path, use_ptx=True)
+    code = "".join(file.read_text() for file in tmp_path.glob("*.ptx"))
+    made = (list_kernels, pressure_kernels, gradient_kernels, motion_kernels)
+    kernels = [
+        (make.__name__, name)
+        for make in made
+        for name, item in vars(make(numbers)).items()
+        if isinstance(item, wp.Kernel)
+    ]
+    assert len(kernels) > 12
+    missing = [kernel for kernel in kernels if ".entry {}__locals__{}_".format(*kernel) not in code]
+    assert missing == []
