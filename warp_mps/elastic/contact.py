@@ -22,6 +22,8 @@ from warp_mps.core.kit import Kit
 from warp_mps.elastic.contact_law import SUPPORT
 
 METHOD = "elastic"
+# particles that one thread of a device goes through: on a CPU most have no candidates, and a loop is faster than a call
+TOGETHER = {"cpu": 64, "cuda": 1}
 
 
 @functools.cache
@@ -59,6 +61,7 @@ def contact_kernels(kit: Kit) -> SimpleNamespace:
     @kit.kernel(METHOD)
     def crowding(
         # Model:
+        together: wp.int32,
         reference: wp.array(dtype=vec),
         spacing: wp.array(dtype=real),
         group: wp.array(dtype=wp.int32),
@@ -78,29 +81,30 @@ def contact_kernels(kit: Kit) -> SimpleNamespace:
         energy_out: wp.array(dtype=real),
     ):
         """g_iB w_iB of every group B that a particle faces, and the energy that its crowding stores."""
-        i = wp.tid()
-        k = start[i]
-        total = real(0.0)
-        for s in range(faces[i]):
-            other = facing[i, s]
-            q = real(0.0)
-            for m in range(k, end[i, s]):
-                j = listed[m]
-                r = wp.length(reference[j] - reference[i] + (u[j] - u[i]))
-                q += weight(r / pair_support(spacing[i], spacing[j]))
-            k = end[i, s]
-            w = weights[group[i], other]
-            beyond = wp.max(w * q - real(1.0), real(0.0))
-            g = real(0.0)
-            if beyond > real(0.0):
-                g = scales[group[i], other] * wp.min(stiffness[i], softest[other]) * beyond
-            push_out[i, s] = g * w
-            total += real(0.5) * g * beyond
-        energy_out[i] = total
+        for i in range(wp.tid() * together, wp.min((wp.tid() + 1) * together, start.shape[0] - 1)):
+            k = start[i]
+            total = real(0.0)
+            for s in range(faces[i]):
+                other = facing[i, s]
+                q = real(0.0)
+                for m in range(k, end[i, s]):
+                    j = listed[m]
+                    r = wp.length(reference[j] - reference[i] + (u[j] - u[i]))
+                    q += weight(r / pair_support(spacing[i], spacing[j]))
+                k = end[i, s]
+                w = weights[group[i], other]
+                beyond = wp.max(w * q - real(1.0), real(0.0))
+                g = real(0.0)
+                if beyond > real(0.0):
+                    g = scales[group[i], other] * wp.min(stiffness[i], softest[other]) * beyond
+                push_out[i, s] = g * w
+                total += real(0.5) * g * beyond
+            energy_out[i] = total
 
     @kit.kernel(METHOD)
     def force(
         # Model:
+        together: wp.int32,
         reference: wp.array(dtype=vec),
         spacing: wp.array(dtype=real),
         group: wp.array(dtype=wp.int32),
@@ -117,26 +121,26 @@ def contact_kernels(kit: Kit) -> SimpleNamespace:
         contact_out: wp.array(dtype=vec),
         force_out: wp.array(dtype=vec),
     ):
-        i = wp.tid()
-        n = faces[i]
-        total = vec()
-        k = start[i]
-        for s in range(n):
-            for m in range(k, end[i, s]):
-                j = listed[m]
-                both = push[i, s]
-                # most candidates store nothing
-                if stored[j] > real(0.0):
-                    for t in range(faces[j]):
-                        if facing[j, t] == group[i]:
-                            both += push[j, t]
-                if both > real(0.0):
-                    support = pair_support(spacing[i], spacing[j])
-                    x = reference[j] - reference[i] + (u[j] - u[i])
-                    total -= (both * steepness(wp.length(x) / support) / (support * support)) * x
-            k = end[i, s]
-        contact_out[i] = total
-        if n > 0:
-            force_out[i] = force_out[i] + total
+        for i in range(wp.tid() * together, wp.min((wp.tid() + 1) * together, start.shape[0] - 1)):
+            n = faces[i]
+            total = vec()
+            k = start[i]
+            for s in range(n):
+                for m in range(k, end[i, s]):
+                    j = listed[m]
+                    both = push[i, s]
+                    # most candidates store nothing
+                    if stored[j] > real(0.0):
+                        for t in range(faces[j]):
+                            if facing[j, t] == group[i]:
+                                both += push[j, t]
+                    if both > real(0.0):
+                        support = pair_support(spacing[i], spacing[j])
+                        x = reference[j] - reference[i] + (u[j] - u[i])
+                        total -= (both * steepness(wp.length(x) / support) / (support * support)) * x
+                k = end[i, s]
+            contact_out[i] = total
+            if n > 0:
+                force_out[i] = force_out[i] + total
 
     return SimpleNamespace(crowding=crowding, force=force)

@@ -1,7 +1,8 @@
 """The candidates of contact: for every particle the others that it could touch, group of bodies by group.
 
 They are found with `wp.HashGrid` a little beyond the support of the contact law and are listed; the list is renewed,
-inside the replayed step, when a particle has moved half of that margin.
+inside the replayed step, when a particle has moved half of that margin. Where a body is far from all others, which the
+boxes around the bodies show, nothing is searched.
 """
 
 import functools
@@ -10,17 +11,20 @@ from types import SimpleNamespace
 import warp as wp
 
 from warp_mps.core.kit import Kit
-from warp_mps.elastic.contact_law import SUPPORT
+from warp_mps.elastic.contact import contact_funcs
 
 METHOD = "elastic"
 # groups of bodies that one particle can be near to
 FACES = 8
+# particles that are boxed together
+CHUNK = 256
 
 
 @functools.cache
 def search_kernels(kit: Kit) -> SimpleNamespace:
-    """Kernels `locate` and `candidates`."""
+    """Kernels `locate`, `chunk_boxes`, `body_boxes` and `candidates`."""
     real, vec, vec3 = kit.real, kit.vec, kit.vec3
+    pair_support = contact_funcs(kit).pair_support
 
     @kit.func(METHOD)
     def precedes(j: wp.int32, k: wp.int32, group: wp.array(dtype=wp.int32)) -> wp.bool:
@@ -51,11 +55,88 @@ def search_kernels(kit: Kit) -> SimpleNamespace:
             stale_out[0] = 1
 
     @kit.kernel(METHOD)
+    def chunk_boxes(
+        # Model:
+        chunks: wp.array(dtype=wp.vec2i),
+        # State in:
+        points: wp.array(dtype=vec3),
+        # Out:
+        low_out: wp.array(dtype=vec3),
+        high_out: wp.array(dtype=vec3),
+    ):
+        """Bounds of some particles of one body."""
+        c = wp.tid()
+        low = points[chunks[c][0]]
+        high = low
+        for i in range(chunks[c][0] + 1, chunks[c][1]):
+            low = wp.min(low, points[i])
+            high = wp.max(high, points[i])
+        low_out[c] = low
+        high_out[c] = high
+
+    @kit.kernel(METHOD)
+    def body_boxes(
+        # Model:
+        first: wp.array(dtype=wp.int32),
+        # State in:
+        low: wp.array(dtype=vec3),
+        high: wp.array(dtype=vec3),
+        # Out:
+        low_out: wp.array(dtype=vec3),
+        high_out: wp.array(dtype=vec3),
+    ):
+        """Bounds of a body, from those of its chunks."""
+        b = wp.tid()
+        lowest = low[first[b]]
+        highest = high[first[b]]
+        for c in range(first[b] + 1, first[b + 1]):
+            lowest = wp.min(lowest, low[c])
+            highest = wp.max(highest, high[c])
+        low_out[b] = lowest
+        high_out[b] = highest
+
+    @kit.func(METHOD)
+    def in_reach(
+        x: vec3,
+        own: wp.int32,
+        reach: real,
+        low: wp.array(dtype=vec3),
+        high: wp.array(dtype=vec3),
+        group: wp.array(dtype=wp.int32),
+    ) -> wp.bool:
+        """Whether a body of another group can be within reach; so it is where there are no boxes."""
+        near = low.shape[0] == 0
+        for b in range(low.shape[0]):
+            if group[b] != own and not near:
+                outside = wp.max(wp.max(low[b] - x, x - high[b]), vec3())
+                near = wp.max(outside) <= reach
+        return near
+
+    @kit.func(METHOD)
+    def may_touch(
+        i: wp.int32,
+        j: wp.int32,
+        reference: wp.array(dtype=vec),
+        group: wp.array(dtype=wp.int32),
+        apart: wp.array(dtype=real),
+        within_group: wp.int32,
+    ) -> wp.bool:
+        """Whether two particles can be in contact at all: not those of two walls, which are always apart."""
+        if group[i] != group[j]:
+            return not wp.isinf(wp.min(apart[i], apart[j]))
+        # what is near in the body as it was made is held apart by its elasticity
+        close = wp.length(reference[j] - reference[i]) < wp.max(apart[i], apart[j])
+        return within_group == 1 and not close
+
+    @kit.kernel(METHOD)
     def candidates(
         # Model:
         grid: wp.uint64,
         reach: real,
         margin: real,
+        low: wp.array(dtype=vec3),
+        high: wp.array(dtype=vec3),
+        box_group: wp.array(dtype=wp.int32),
         spacing: wp.array(dtype=real),
         reference: wp.array(dtype=vec),
         group: wp.array(dtype=wp.int32),
@@ -82,25 +163,19 @@ def search_kernels(kit: Kit) -> SimpleNamespace:
         i = wp.tid()
         first = start[i]
         last = first
-        for j in wp.hash_grid_query(grid, points[i], reach):
-            support = real(wp.static(SUPPORT)) * wp.max(spacing[i], spacing[j])
-            near = j != i and wp.length(points[j] - points[i]) < support + margin
-            if wp.isinf(wp.min(apart[i], apart[j])):
-                near = False
-            if near and group[i] == group[j]:
-                # what is near in the body as it was made is held apart by its elasticity
-                close = wp.length(reference[j] - reference[i]) < wp.max(apart[i], apart[j])
-                near = within_group == 1 and not close
-            if near:
-                if last < start[i + 1]:
-                    k = last
-                    while k > first and precedes(j, listed_out[wp.max(k - 1, first)], group):
-                        listed_out[k] = listed_out[k - 1]
-                        k -= 1
-                    listed_out[k] = j
-                    last += 1
-                else:
-                    overflow_out[0] = i + 1
+        if in_reach(points[i], group[i], reach, low, high, box_group):
+            for j in wp.hash_grid_query(grid, points[i], reach):
+                near = j != i and wp.length(points[j] - points[i]) < margin + pair_support(spacing[i], spacing[j])
+                if near and may_touch(i, j, reference, group, apart, within_group):
+                    if last < start[i + 1]:
+                        k = last
+                        while k > first and precedes(j, listed_out[wp.max(k - 1, first)], group):
+                            listed_out[k] = listed_out[k - 1]
+                            k -= 1
+                        listed_out[k] = j
+                        last += 1
+                    else:
+                        overflow_out[0] = i + 1
         faces = wp.int32(0)
         for k in range(first, last):
             other = group[listed_out[k]]
@@ -116,4 +191,4 @@ def search_kernels(kit: Kit) -> SimpleNamespace:
         if i == 0:
             stale_out[0] = 0
 
-    return SimpleNamespace(locate=locate, candidates=candidates)
+    return SimpleNamespace(locate=locate, chunk_boxes=chunk_boxes, body_boxes=body_boxes, candidates=candidates)

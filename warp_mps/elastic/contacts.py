@@ -8,9 +8,9 @@ import warp as wp
 from warp_mps.core.kit import Kit
 from warp_mps.core.neighbours import make_grid
 from warp_mps.core.weights import REACH_TOLERANCE
-from warp_mps.elastic.contact import contact_kernels
+from warp_mps.elastic.contact import TOGETHER, contact_kernels
 from warp_mps.elastic.contact_law import APART, SUPPORT, capacity, law_constants
-from warp_mps.elastic.contact_search import FACES, search_kernels
+from warp_mps.elastic.contact_search import CHUNK, FACES, search_kernels
 from warp_mps.elastic.rubbing import Rubbing
 from warp_mps.elastic.state import ElasticState
 from warp_mps.particles import Particles
@@ -18,6 +18,8 @@ from warp_mps.scene import Scene
 
 # margin of the candidate list beyond the support of the law, in units of the smallest spacing
 SKIN = 0.35
+# bodies whose boxes are looked at before a particle's surroundings are
+MOST_BOXES = 64
 
 
 def needs_contact(scene: Scene, particles: Particles) -> bool:
@@ -36,6 +38,8 @@ class Contacts:
     def __init__(self, scene: Scene, particles: Particles, *, kit: Kit, device: Any) -> None:
         self._search, self._kernels, self._device = search_kernels(kit), contact_kernels(kit), device
         n, spacings = particles.count, particles.spacings
+        self._together = TOGETHER["cpu" if wp.get_device(device).is_cpu else "cuda"]
+        self._threads = -(-n // self._together)
         # of the smallest, or a coarse body would list more particles of a fine one than it has room for
         self._margin = SKIN * float(spacings.min())
         self._reach = SUPPORT * float(spacings.max()) + self._margin
@@ -72,6 +76,7 @@ class Contacts:
         extent = particles.positions.max(axis=0) - particles.positions.min(axis=0)
         self._grid = make_grid(extent, self._reach, kit=kit, device=device)
         self._grid.reserve(n)
+        self._boxes = self._make_boxes(particles, groups, kit)
         self.rubbing = self._make_rubbing(scene, particles, groups, kit)
 
     def renew(self, state: ElasticState) -> None:
@@ -91,9 +96,9 @@ class Contacts:
     def launch_force(self, state: ElasticState) -> None:
         """Add the contact forces."""
         self._launch_crowding(state)
-        inputs = [*self._places(), *self._candidates(), state.u, self._push, self._energy]
+        inputs = [self._together, *self._places(), *self._candidates(), state.u, self._push, self._energy]
         outputs = [state.contact, state.force]
-        wp.launch(self._kernels.force, len(state.u), inputs, outputs, device=self._device)
+        wp.launch(self._kernels.force, self._threads, inputs, outputs, device=self._device)
         if self.rubbing:
             self.rubbing.launch(state, self._places(), [self._stiffness, self._softest], self._candidates(), self._push)
 
@@ -120,9 +125,24 @@ class Contacts:
 
     def _launch_crowding(self, state: ElasticState) -> None:
         laws = [self._stiffness, self._softest, self._weights, self._scales]
-        inputs = [*self._places(), *laws, *self._candidates(), state.u]
+        inputs = [self._together, *self._places(), *laws, *self._candidates(), state.u]
         outputs = [self._push, self._energy]
-        wp.launch(self._kernels.crowding, len(state.u), inputs, outputs, device=self._device)
+        wp.launch(self._kernels.crowding, self._threads, inputs, outputs, device=self._device)
+
+    def _make_boxes(self, particles: Particles, groups: np.ndarray, kit: Kit) -> list[wp.array]:
+        """Chunks of the bodies, their boxes, and the group of each body; no bodies where the boxes would not pay."""
+        bodies = [] if self._within or len(particles.ranges) > MOST_BOXES else particles.ranges.tolist()
+        chunks = [[(k, min(k + CHUNK, last)) for k in range(first, last, CHUNK)] for first, last in bodies]
+        flat = np.array([chunk for rows in chunks for chunk in rows], np.int32).reshape(-1, 2)
+        firsts = np.cumsum([0, *map(len, chunks)])
+
+        def array(values: Any, dtype: Any) -> wp.array:
+            return wp.array(np.asarray(values, np.int32), dtype=dtype, device=self._device)
+
+        lows, highs = (wp.zeros(len(flat), dtype=kit.vec3, device=self._device) for _ in range(2))
+        self._body_boxes = [wp.zeros(len(bodies), dtype=kit.vec3, device=self._device) for _ in range(2)]
+        of_body = [groups[first] for first, _ in bodies]
+        return [array(flat, wp.vec2i), array(firsts, wp.int32), lows, highs, array(of_body, wp.int32)]
 
     def _make_rubbing(self, scene: Scene, particles: Particles, groups: np.ndarray, kit: Kit) -> Rubbing | None:
         friction = _frictions(scene, particles, groups)
@@ -141,7 +161,11 @@ class Contacts:
 
     def _list(self, state: ElasticState) -> None:
         self._grid.build(self._points, self._reach)
-        search = [self._grid.id, self._reach, self._margin, self._spacing]
+        chunks, first_chunks, lows, highs, box_group = self._boxes
+        wp.launch(self._search.chunk_boxes, len(lows), [chunks, self._points], [lows, highs], device=self._device)
+        inputs = [first_chunks, lows, highs]
+        wp.launch(self._search.body_boxes, len(box_group), inputs, self._body_boxes, device=self._device)
+        search = [self._grid.id, self._reach, self._margin, *self._body_boxes, box_group, self._spacing]
         inputs = [*search, self._reference, self._group, self._apart, self._within, self._start, self._points, state.u]
         lists = [self._listed, self._faces, self._facing, self._end]
         outputs = [*lists, self._u_listed, self._stale, self._overflow]
