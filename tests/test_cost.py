@@ -9,7 +9,7 @@ import pytest
 from tests.scenes import HAMILTONIAN, beam
 from warp_mps.cost import estimate, refuse_too_large
 from warp_mps.errors import InputError
-from warp_mps.scene import Wall
+from warp_mps.scene import Contact, Wall
 from warp_mps.shapes import Box
 from warp_mps.simulation import Simulation
 
@@ -38,6 +38,15 @@ def test_walls_are_counted() -> None:
     assert estimate(scene).memory > estimate(beam(4)).memory
     with pytest.raises(InputError, match="/World/floor spacing: 1e-08 m makes"):
         refuse_too_large(replace(scene, walls=(replace(floor, spacing=1e-8),)))
+
+
+def test_contact_and_friction_take_memory() -> None:
+    touching = beam(4, contact=Contact(between="all"))
+    memory = [
+        estimate(scene).memory
+        for scene in (beam(4), touching, replace(touching, contact=Contact(between="all", friction=0.1)))
+    ]
+    assert memory[0] < memory[1] < memory[2]
 
 
 def test_damping_of_the_material_costs_time() -> None:

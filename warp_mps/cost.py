@@ -20,6 +20,9 @@ VISCOUS = {2: 2.6, 3: 3.7}
 # in 2-D and 1.8 GB in 3-D, where these figures give 1.1 and 2.4
 BYTES_PER_PARTICLE = {2: 600, 3: 900}
 BYTES_PER_PAIR = {2: 40, 3: 48}
+# bytes more a particle where bodies of equal spacing can touch, and where they rub
+BYTES_OF_CONTACT = {2: 350, 3: 450}
+BYTES_OF_FRICTION = {2: 430, 3: 600}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -74,7 +77,15 @@ def memory_of(scene: Scene, particles: int) -> float:
     """Memory that a run with so many particles needs at most [bytes]."""
     d = scene.dimension
     pairs = lattice_neighbours(d, scene.elasticity.effective_radius)
-    return float(particles) * (BYTES_PER_PARTICLE[d] + BYTES_PER_PAIR[d] * pairs)
+    return float(particles) * (BYTES_PER_PARTICLE[d] + BYTES_PER_PAIR[d] * pairs + _bytes_of_contact(scene))
+
+
+def _bytes_of_contact(scene: Scene) -> int:
+    several = len(scene.bodies) + len(scene.walls) > 1
+    if scene.contact.between == "none" or not (several or scene.contact.between == "all"):
+        return 0
+    rubs = scene.contact.friction or any(wall.friction for wall in scene.walls)
+    return BYTES_OF_CONTACT[scene.dimension] + (BYTES_OF_FRICTION[scene.dimension] if rubs else 0)
 
 
 def refuse_too_large(scene: Scene) -> None:

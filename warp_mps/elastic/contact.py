@@ -6,9 +6,9 @@ stores V_iB = 1/2 k_iB (q_iB - 1)^2. With g_iB = dV_iB/dq_iB and A the body of i
 
     f_ij = -(g_iB w_iB + g_jA w_jA) W'(|x_ij| / s) / s  (x_i - x_j) / |x_ij|
 
-central, equal and opposite: momentum, angular momentum and energy are kept. "Body" is a group of bonded bodies here;
-self-contact is that of a group with itself, reference neighbours and what is within the support of W in the reference
-configuration left out.
+central, equal and opposite: momentum, angular momentum and energy are kept. "Body" is a group of bonded bodies here, or
+a wall; self-contact is that of a group with itself, without its reference neighbours and what else was closer than two
+and a half spacings in the reference configuration.
 
 A step sums twice over the candidates: the crowding, then the forces.
 """
