@@ -198,3 +198,17 @@ def test_the_source_restores_the_density(scheme: str, scale: float, sign: int) -
     rhs = assembled(fluids)._rhs.numpy()[middle - walls_of(fluids)]
     unit = RHO / (DT * fluids._relaxation)
     assert np.sign(rhs if abs(rhs) > 1e-9 * unit else 0.0) == sign
+
+
+def test_a_closed_tank_that_has_lost_a_particle_is_still_closed() -> None:
+    fluids = fluids_of(tank((12, 12), lid=True, flow=Flow(tolerance=1e-6)))
+    stir(fluids, amount=0.05)
+    lost = fluids.state.lost.numpy()
+    lost[walls_of(fluids) + 5] = 1
+    fluids.state.lost.assign(lost)
+    fluids.lists.renew(fluids.state.x, fluids.state.lost)
+    assembled(fluids)
+    done = fluids.statistics()
+    assert done.stagnated + done.exhausted == 0
+    assert done.worst_residual < 1e-6
+    assert fluids.state.p.numpy().min() == 0.0

@@ -75,7 +75,7 @@ class Fluids(FluidReadings):
             kit=kit, device=device,
         )  # fmt: skip
         n0 = self.operators.number_density
-        self.state: FluidState = initial_state(particles, self.lists.x_listed, n0, kit=kit, device=device)
+        self.state: FluidState = initial_state(particles, self.lists, n0, kit=kit, device=device)
         self.step_limit = step_limit(scene, particles)
         self._longest = min(self.step_limit, scene.time_step or math.inf)
         self._courant = flow.courant
@@ -179,10 +179,10 @@ class Fluids(FluidReadings):
         if self._viscosity > 0.0:
             factor = self._viscosity * self.operators.laplacian
             inputs = [self._walls, lists.period, self.operators.radius, factor, self._sticks, *self._listed()]
-            self._launch(motion.viscosity, len(state.x), [*inputs, state.x, state.u], [self._acceleration])
+            self._launch(motion.viscosity, len(state.x), [*inputs, state.x, state.u, state.lost], [self._acceleration])
         mass = self._density * self._volume
         inputs = [self._walls, self._gravity, mass, self._dt, self._acceleration, state.lost]
-        self._launch(motion.predict, len(state.x), inputs, [state.x, state.u, state.impulse])
+        self._launch(motion.predict, len(state.x), inputs, [state.x, state.u, state.impulse, state.work])
 
     def _place(self, time: wp.array) -> None:
         """Place the moving walls."""
@@ -234,7 +234,7 @@ class Fluids(FluidReadings):
         self._launch(motion.collide_walls, self._walls, inputs, [state.impulse, state.work])
         low, high = self._kit.vec(*self._low), self._kit.vec(*self._high)
         inputs = [self._walls, low, high, lists.period, self._dt, self._du, self._shift]
-        self._launch(motion.finish, self._m, inputs, [state.x, state.u, state.lost])
+        self._launch(motion.finish, self._m, inputs, [state.x, state.u, state.lost, state.stale])
 
     def _sort(self) -> None:
         """Put the fluid's particles in the order of the cells that they are in: what is near is then near in memory."""
@@ -260,6 +260,7 @@ class Fluids(FluidReadings):
         self.state.assign({**arrays, "x": arrays["x_listed"]})
         self.lists.renew(self.state.x, self.state.lost)
         self.state.x.assign(present)
+        self.state.stale.assign(arrays["stale"])
         self._place(self.state.time)
 
 

@@ -108,6 +108,7 @@ class NeighbourLists:
         listed: Neighbours of each particle, int32 [n, room].
         count: Number of neighbours of each particle, int32 [n].
         x_listed: Positions at which the lists were made [m], vec [n].
+        stale: Whether they must be made anew, int32 [1].
         period: Period along each axis [m], 0 where there is none.
 
     Args:
@@ -154,19 +155,19 @@ class NeighbourLists:
         self.x_listed = wp.zeros(count, dtype=kit.vec, device=device)
         self.listed = wp.zeros((count, width), dtype=wp.int32, device=device)
         self.count = wp.zeros(count, dtype=wp.int32, device=device)
-        self._stale = wp.zeros(1, dtype=wp.int32, device=device)
+        self.stale = wp.zeros(1, dtype=wp.int32, device=device)
         self._overflow = wp.zeros(1, dtype=wp.int32, device=device)
 
     def renew(self, x: wp.array, lost: wp.array) -> None:
         """Launch new lists, whether or not the old ones are stale."""
-        self._stale.fill_(1)
+        self.stale.fill_(1)
         self.update(x, lost)
 
     def update(self, x: wp.array, lost: wp.array) -> None:
         """Launch new lists if a particle has moved far enough since they were made."""
         inputs = [self._low, self._cell, self._cells, self._margin, x, self.x_listed]
-        wp.launch(self._kernels.locate, len(x), inputs, [self._points, self._stale], device=self._device)
-        wp.capture_if(self._stale, self._search, x=x, lost=lost)
+        wp.launch(self._kernels.locate, len(x), inputs, [self._points, self.stale], device=self._device)
+        wp.capture_if(self.stale, self._search, x=x, lost=lost)
 
     def overflowed(self) -> int | None:
         """A particle that has had more neighbours than the lists hold, if there was one."""
@@ -176,5 +177,5 @@ class NeighbourLists:
     def _search(self, x: wp.array, lost: wp.array) -> None:
         self._grid.build(self._points, 1.0)
         inputs = [self._grid.id, self._reach, self.period, self._walls, self._points, x, lost]
-        outputs = [self.listed, self.count, self.x_listed, self._overflow, self._stale]
+        outputs = [self.listed, self.count, self.x_listed, self._overflow, self.stale]
         wp.launch(self._kernels.search, len(x), inputs, outputs, device=self._device)

@@ -41,7 +41,7 @@ def motion_kernels(kit: Kit) -> SimpleNamespace:
         if r >= reach or r == real(0.0):
             return vec()
         approach = wp.min(wp.dot(u_ij, x_ij) / r, real(0.0))
-        return (real(1.0 + RESTITUTION) * approach / r) * x_ij
+        return (real(wp.static(1.0 + RESTITUTION)) * approach / r) * x_ij
 
     @kit.kernel(METHOD)
     def viscosity(
@@ -56,6 +56,7 @@ def motion_kernels(kit: Kit) -> SimpleNamespace:
         # State in:
         x: wp.array(dtype=vec),
         u: wp.array(dtype=vec),
+        lost: wp.array(dtype=wp.int32),
         # Out:
         acceleration_out: wp.array(dtype=vec),
     ):
@@ -66,7 +67,7 @@ def motion_kernels(kit: Kit) -> SimpleNamespace:
         total = vec()
         for m in range(count[i]):
             j = listed[i, m]
-            if sticks[i] + sticks[j] == 2:
+            if sticks[i] + sticks[j] == 2 and lost[j] == 0:
                 total += weight(wp.length(apart(x_i, x[j], period)), radius) * (u[j] - u_i)
         acceleration_out[i] = factor * total
 
@@ -84,12 +85,15 @@ def motion_kernels(kit: Kit) -> SimpleNamespace:
         x_out: wp.array(dtype=vec),
         u_out: wp.array(dtype=vec),
         impulse_out: wp.array(dtype=vec64),
+        work_out: wp.array(dtype=wp.float64),
     ):
-        """The predictor of the fluid, and the viscous impulse on the walls."""
+        """The predictor of the fluid, and the viscous impulse on the walls, with their work."""
         i = wp.tid()
         h = real(dt[0])
         if i < walls:
-            impulse_out[i] = impulse_out[i] + (mass * dt[0]) * vec64(acceleration[i])
+            gained = (mass * dt[0]) * vec64(acceleration[i])
+            impulse_out[i] = impulse_out[i] + gained
+            work_out[i] = work_out[i] - wp.dot(gained, vec64(u_out[i]))
         elif lost[i] == 0:
             u = u_out[i] + h * (gravity + acceleration[i])
             u_out[i] = u
@@ -202,8 +206,9 @@ def motion_kernels(kit: Kit) -> SimpleNamespace:
         x_out: wp.array(dtype=vec),
         u_out: wp.array(dtype=vec),
         lost_out: wp.array(dtype=wp.int32),
+        stale_out: wp.array(dtype=wp.int32),
     ):
-        """End a step: collisions and shifts, periods, and particles that have left the domain."""
+        """End a step: collisions and shifts, periods, and particles that have left the domain and the lists."""
         k = wp.tid()
         i = k + walls
         if lost_out[i] == 1:
@@ -217,6 +222,7 @@ def motion_kernels(kit: Kit) -> SimpleNamespace:
                 lost_out[i] = 1
         if lost_out[i] == 1:
             u = vec()
+            stale_out[0] = 1
         x_out[i] = x
         u_out[i] = u
 

@@ -126,7 +126,9 @@ def pressure_kernels(kit: Kit) -> SimpleNamespace:
         surface = wp.int32(0)
         if n < real(SURFACE_DENSITY) * n0 and real(near) < real(SURFACE_NEIGHBOURS) * full:
             surface = 1
-            singular_out[0] = 0
+            # what has no fluid about it, as a lost particle, does not tell the others their pressure
+            if entries > 0:
+                singular_out[0] = 0
             p[k] = wp.float64(real(0.5) * spacing * density * wp.length(gravity) * carried[k])
         n_out[k] = n
         first_out[k] = first

@@ -9,6 +9,7 @@ import numpy as np
 import warp as wp
 
 from warp_mps.core.kit import Kit
+from warp_mps.fluid.lists import NeighbourLists
 from warp_mps.particles import Particles
 
 
@@ -31,6 +32,7 @@ class FluidState:
         time:     Time [s], float64 [1].
         steps:    Number of steps done, int32 [1].
         x_listed: Positions at which the neighbour lists were made [m], vec [n].
+        stale:    Whether the lists must be made anew before they are used again, int32 [1].
     """
 
     x: wp.array
@@ -47,6 +49,7 @@ class FluidState:
     time: wp.array
     steps: wp.array
     x_listed: wp.array
+    stale: wp.array
 
     def arrays(self) -> dict[str, np.ndarray]:
         """Host copies of everything."""
@@ -58,12 +61,12 @@ class FluidState:
             getattr(self, item.name).assign(arrays[item.name])
 
 
-def initial_state(particles: Particles, x_listed: wp.array, n0: float, *, kit: Kit, device: Any) -> FluidState:
+def initial_state(particles: Particles, lists: NeighbourLists, n0: float, *, kit: Kit, device: Any) -> FluidState:
     """The state at the start of a run.
 
     Args:
         particles: The particles, walls first.
-        x_listed: The positions that the neighbour lists keep.
+        lists: The neighbour lists.
         n0: Number density of a full lattice.
         kit: Number types.
         device: Warp device.
@@ -88,5 +91,6 @@ def initial_state(particles: Particles, x_listed: wp.array, n0: float, *, kit: K
         forces=wp.zeros(max(n - m, 1), dtype=vec64, device=device),
         time=wp.zeros(1, dtype=wp.float64, device=device),
         steps=wp.zeros(1, dtype=wp.int32, device=device),
-        x_listed=x_listed,
+        x_listed=lists.x_listed,
+        stale=lists.stale,
     )
