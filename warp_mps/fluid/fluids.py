@@ -252,10 +252,12 @@ class Fluids(FluidReadings):
 
     def arrays(self) -> dict[str, np.ndarray]:
         """Everything that evolves, for a checkpoint."""
-        return self.state.arrays()
+        before = {"u_before": self._velocities_before, "interval": np.array(self._interval)}
+        return {**self.state.arrays(), **before}
 
     def assign(self, arrays: dict[str, np.ndarray]) -> None:
         """Continue from arrays that `arrays` gave: the lists are made where they were made then."""
+        self._velocities_before, self._interval = arrays["u_before"].copy(), float(arrays["interval"])
         present = arrays["x"]
         self.state.assign({**arrays, "x": arrays["x_listed"]})
         self.lists.renew(self.state.x, self.state.lost)
@@ -299,5 +301,5 @@ def _refuse_narrow(scene: Scene, size: np.ndarray, reach: float) -> None:
     """Refuse a period in which a particle would see another one twice."""
     for axis in scene.flow.periodic:
         if size[axis] < 3.0 * reach:
-            reason = f"is {size[axis]:.4g} m long along a periodic axis; it must be at least {3.0 * reach:.4g} m"
-            raise InputError(scene.path, "domain", reason)
+            reason = f"makes a period of {size[axis]:.4g} m, must be at least {3.0 * reach:.4g} m"
+            raise InputError(scene.path, "flow.domain.high", reason)

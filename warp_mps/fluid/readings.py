@@ -94,7 +94,8 @@ class FluidReadings:
         if not np.isfinite(self._interval):  # nothing is known before the first interval
             return forces
         change = (self.velocities() - self._velocities_before)[self._walls :] / self._interval
-        forces[self._walls :] = self._density * self._volume * (change - self._gravity_host)
+        kept = 1.0 - self._ordered(self.state.lost.numpy()[self._walls :])
+        forces[self._walls :] = (self._density * self._volume * kept)[:, None] * (change - self._gravity_host)
         return forces
 
     def elastic_torques(self) -> np.ndarray:

@@ -1,0 +1,203 @@
+"""Runs of fluids: the same bits whichever way they are launched, restarts, and the order of particles."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from tests.fluid.scenes import KINDS, L0, SCHEMES, scene_of, tank, water
+from warp_mps.errors import InputError, RunError
+from warp_mps.fluid import fluids as fluids_module
+from warp_mps.observers.base import View
+from warp_mps.observers.guard import Guard
+from warp_mps.scene import Flow, HarmonicRotation, Liquid, Scene
+from warp_mps.simulation import Simulation
+
+INTERVAL = 0.01
+
+
+def splash(dimension: int, **flow: object) -> Scene:
+    """A column of viscous water that falls over in a tank that is rocked."""
+    cells, room = ((8, 14), (16, 16)) if dimension == 2 else ((4, 6, 4), (8, 7, 4))
+    axis = {"axis": (0.0, 0.0, 1.0)} if dimension == 3 else {}
+    rock = HarmonicRotation(amplitude=0.1, frequency=2.0, pivot=(0.16, 0.0, 0.0)[:dimension], **axis)
+    return tank(
+        cells,
+        room=room,
+        flow=Flow(**flow),  # type: ignore[arg-type]
+        wall={"rotation": rock, "slip": "no"},
+        fluid={"liquid": Liquid(viscosity=1e-4)},
+        duration=0.3,
+        frame_rate=1.0 / INTERVAL,
+    )
+
+
+def states(simulation: Simulation, *chunks: int) -> list[dict[str, np.ndarray]]:
+    """The state after each of some numbers of intervals."""
+    found = []
+    for intervals in chunks:
+        simulation.advance(intervals)
+        found.append(simulation.state_arrays())
+    return found
+
+
+def assert_same_bits(left: list[dict[str, np.ndarray]], right: list[dict[str, np.ndarray]]) -> None:
+    for a, b in zip(left, right, strict=True):
+        assert a.keys() == b.keys()
+        for name, values in a.items():
+            np.testing.assert_array_equal(values, b[name], err_msg=name)
+
+
+@pytest.mark.parametrize(("dimension", "precision"), KINDS)
+def test_graphs_and_kernels_give_the_same_bits_and_the_same_run_twice(dimension: int, precision: str) -> None:
+    chunks = (1, 4, 5)
+    expected = states(Simulation(splash(dimension), precision=precision), *chunks)
+    assert expected[-1]["steps"][0] > 30
+    for graphs in (True, False):
+        again = Simulation(splash(dimension), precision=precision, graphs=graphs)
+        assert_same_bits(states(again, *chunks), expected)
+
+
+@pytest.mark.parametrize("scheme", SCHEMES)
+@pytest.mark.parametrize(("dimension", "precision"), [(2, "float64"), (3, "float32")])
+def test_a_restored_run_continues_to_the_same_bits(
+    dimension: int, precision: str, scheme: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """While the particles are sorted every few intervals, and lists are not fresh."""
+    monkeypatch.setattr(fluids_module, "SORT_EVERY", 25)
+    scene = splash(dimension, scheme=scheme)
+    simulation = Simulation(scene, precision=precision)
+    simulation.advance(9)
+    saved = simulation.state_arrays()
+    while np.array_equal(saved["x"], saved["x_listed"]):
+        simulation.advance(1)
+        saved = simulation.state_arrays()
+    assert not np.array_equal(saved["order"], np.sort(saved["order"]))
+    later = states(simulation, 3, 6)
+    energy, forces = simulation.energy, simulation.internal_forces
+    assert not np.array_equal(later[-1]["order"], saved["order"])
+    for graphs in (True, False):
+        restored = Simulation(scene, precision=precision, graphs=graphs)
+        restored.advance(2)
+        restored.restore(saved)
+        assert restored.step == int(saved["step"])
+        assert_same_bits([restored.state_arrays()], [saved])
+        assert_same_bits(states(restored, 3, 6), later)
+        assert restored.energy == energy
+        np.testing.assert_array_equal(restored.internal_forces, forces)
+
+
+def test_what_a_restored_run_shows_is_what_was_shown() -> None:
+    """Before it goes on, too: forces of the last interval are part of the state."""
+    simulation = Simulation(splash(2))
+    simulation.advance(5)
+    restored = Simulation(splash(2))
+    restored.restore(simulation.state_arrays())
+    assert np.abs(simulation.internal_forces).max() > 0.0
+    for name in ("positions", "velocities", "pressures", "number_densities", "contact_forces", "internal_forces"):
+        np.testing.assert_array_equal(getattr(restored, name), getattr(simulation, name), err_msg=name)
+    assert restored.energy == simulation.energy
+
+
+def test_a_restored_run_that_loses_particles_continues_to_the_same_bits() -> None:
+    """Water that runs out of its domain over the edge of a table, some of it in every interval."""
+    flow = Flow(domain=([-0.2, -0.2], [0.2, 0.5]))
+    scene = tank((10, 8), room=(10, 8), flow=flow, duration=1.0)
+    scene = scene_of(*scene.fluids, walls=scene.walls[:2], gravity=scene.gravity, flow=flow, frame_rate=200.0)
+    simulation = Simulation(scene)
+    lost = []
+    for k in range(30):
+        saved = simulation.state_arrays()
+        simulation.advance(1)
+        lost.append(simulation.fluids.lost())
+        if k > 0 and lost[-1] > lost[-2] and int(simulation.state_arrays()["stale"][0]):
+            break
+    assert lost[-1] > 0
+    assert simulation.state_arrays()["stale"][0] == 1
+    saved = simulation.state_arrays()
+    later = states(simulation, 1, 5)
+    restored = Simulation(scene)
+    restored.restore(saved)
+    assert_same_bits(states(restored, 1, 5), later)
+
+
+def test_what_is_shown_is_in_the_order_of_the_particles(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Whatever order they are computed in: a run that sorts stays, for a time, near one that does not."""
+    never = Simulation(splash(2))
+    never.advance(6)
+    monkeypatch.setattr(fluids_module, "SORT_EVERY", 5)
+    sorts = Simulation(splash(2))
+    sorts.advance(6)
+    order = sorts.state_arrays()["order"]
+    assert not np.array_equal(order, np.arange(len(order)))
+    assert np.array_equal(np.sort(order), np.arange(len(order)))
+    for name in ("positions", "velocities", "displacements", "number_densities"):
+        a, b = getattr(sorts, name), getattr(never, name)
+        np.testing.assert_allclose(a, b, atol=2e-3 * np.abs(b).max(), err_msg=name)
+    difference = sorts.pressures - never.pressures
+    assert np.sqrt(np.mean(difference**2)) < 0.02 * np.sqrt(np.mean(never.pressures**2))
+    np.testing.assert_allclose(
+        sorts.internal_forces, never.internal_forces, atol=0.05 * np.abs(never.internal_forces).max()
+    )
+
+
+def test_sorted_particles_are_near_in_memory(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(fluids_module, "SORT_EVERY", 5)
+    simulation = Simulation(splash(2))
+    rng = np.random.default_rng(0)
+    state = simulation.fluids.state
+    w = len(state.x) - len(state.p)
+    new = rng.permutation(len(state.p))
+    for array in (state.x, state.u):
+        values = array.numpy().copy()
+        values[w:] = values[w:][new]
+        array.assign(values)
+    state.order.assign(state.order.numpy()[new])
+    simulation.fluids.lists.renew(state.x, state.lost)
+    apart = [np.linalg.norm(np.diff(state.x.numpy()[w:], axis=0), axis=1).mean()]
+    simulation.advance(2)
+    apart.append(np.linalg.norm(np.diff(state.x.numpy()[w:], axis=0), axis=1).mean())
+    assert apart[1] < 0.5 * apart[0]
+    assert np.abs(simulation.displacements[w:]).max() < 3.0 * L0
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_single_precision_stays_near_double(dimension: int) -> None:
+    runs = [Simulation(splash(dimension, tolerance=1e-5), precision=name) for name in ("float64", "float32")]
+    for simulation in runs:
+        simulation.advance(6)
+    double, single = (simulation.displacements for simulation in runs)
+    np.testing.assert_allclose(single, double, atol=2e-3 * np.abs(double).max())
+    assert runs[1].energy.kinetic == pytest.approx(runs[0].energy.kinetic, rel=2e-3)
+
+
+def test_fluids_take_one_thread() -> None:
+    with pytest.raises(InputError, match="threads: is 2; fluids take one"):
+        Simulation(splash(2), threads=2)
+
+
+def test_a_leak_ends_the_run() -> None:
+    """Water over a hole: what has fallen out of the domain is counted."""
+    flow = Flow(domain=([-0.3, -0.2], [0.3, 0.5]))
+    simulation = Simulation(scene_of(water([0.0, 0.0], [0.1, 0.1]), gravity=(0.0, -9.81), flow=flow, duration=1.0))
+    with pytest.raises(RunError, match=r"^at t = 0\.\d+ s: \d+ of 25 fluid particles have left the domain: there is"):
+        simulation.run([Guard(every=1, time_step=INTERVAL)])
+    assert 0.19 < simulation.time < 0.22
+
+
+def test_a_period_that_is_too_short_is_refused() -> None:
+    flow = Flow(domain=([0.0, 0.0], [0.16, 0.5]), periodic=(0,))
+    with pytest.raises(InputError, match=r"domain\.high: makes a period of 0\.16 m, must be at least 0\.204 m"):
+        Simulation(scene_of(water([0.0, 0.0], [0.1, 0.1]), flow=flow))
+
+
+def test_views_hold_what_observers_ask_for() -> None:
+    simulation: View = Simulation(splash(2))
+    n = simulation.particles.count
+    for name in ("stresses", "strains"):
+        assert getattr(simulation, name).shape == (n, 3, 3)
+    for name in ("rotations", "elastic_torques"):
+        assert getattr(simulation, name).shape == (n, 1)
+    for name in ("pressures", "number_densities", "von_mises", "strain_energy_densities"):
+        assert getattr(simulation, name).shape == (n,)
+    assert not simulation.reactions.any()
