@@ -110,7 +110,6 @@ class Fluids(FluidReadings):
         )
         self._du, self._shift = zeros(m, kit.vec), zeros(m, kit.vec)
         self._acceleration = zeros(n, kit.vec)
-        self._turn, self._least = zeros(m, kit.mat), zeros(m, kit.real)
         self._floors = zeros(-(-m // CHUNK), wp.float64)
         self._speeds = zeros(-(-n // CHUNK), kit.real)
         self._dt, self._target, self._time_after = (zeros(1, wp.float64) for _ in range(3))
@@ -221,10 +220,9 @@ class Fluids(FluidReadings):
         _, gradient, motion = self._kernels
         head = [self._scheme, self._clip, lists.period, ops.radius, ops.gradient, self._density]
         inputs = [self._walls, *head, self._gravity, self._relaxation, *self._listed(), self._dt, state.x, state.a]
-        outputs = [state.carried, self._turn, self._least, self._du]
-        self._launch(gradient.push, self._m, [*inputs, state.p], outputs)
+        self._launch(gradient.push, self._m, [*inputs, state.p], [state.carried, self._du])
         inputs = [self._walls, *head, self._volume, self._gravity, *self._listed(), self._dt, state.x, state.u]
-        inputs += [state.a, state.p, self._turn, self._least]
+        inputs += [state.a, state.p]
         self._launch(gradient.push_walls, self._walls, inputs, [state.impulse, state.work])
         self._launch(motion.apply, self._m, [self._walls, self._dt, self._du], [state.x, state.u])
         inputs = [self._walls, lists.period, ops.radius, self._spacing, ops.number_density, self._shifts]

@@ -78,8 +78,6 @@ def gradient_kernels(kit: Kit) -> SimpleNamespace:
         # State in and out:
         carried: wp.array(dtype=real),
         # Out:
-        turn_out: wp.array(dtype=mat),
-        least_out: wp.array(dtype=real),
         du_out: wp.array(dtype=vec),
     ):
         """Change of a fluid particle's velocity by the pressure over a step."""
@@ -112,8 +110,6 @@ def gradient_kernels(kit: Kit) -> SimpleNamespace:
             if wp.determinant(moments) > real(LEAST_DETERMINANT):
                 turn = wp.inverse(moments)
             total = turn * total
-            turn_out[k] = turn
-        least_out[k] = p_min
         square = wp.dot(gravity, gravity)
         if square > real(0.0):
             share = wp.clamp(wp.dot(total, gravity) / (density * square), real(0.0), real(1.0))
@@ -141,13 +137,15 @@ def gradient_kernels(kit: Kit) -> SimpleNamespace:
         u: wp.array(dtype=vec),
         a: wp.array(dtype=vec),
         p: wp.array(dtype=wp.float64),
-        turn: wp.array(dtype=mat),
-        least: wp.array(dtype=real),
         # State in and out:
         impulse: wp.array(dtype=vec64),
         work: wp.array(dtype=wp.float64),
     ):
-        """Impulse on a wall's particle, the opposite of what it gives to the fluid in `push`, and the wall's work."""
+        """Impulse on a wall's particle, and the wall's work.
+
+        It is that of the conservative scheme whatever the scheme: sums of pressure differences, by which the others
+        move the fluid, hold nothing of the level of the pressure.
+        """
         j = wp.tid()
         x_j = x[j]
         total = vec()
@@ -159,10 +157,7 @@ def gradient_kernels(kit: Kit) -> SimpleNamespace:
                 c = gradient * weight(r, radius) / (r * r)
                 p_i = real(p[i - walls])
                 p_j = beyond(p_i, density * wp.dot(gravity - a[j], x_ij), clip)
-                force = (c * pair(scheme, p_i, p_j, least[i - walls])) * x_ij
-                if scheme == wp.static(CORRECTED):
-                    force = turn[i - walls] * force
-                total += force
+                total += (c * pair(wp.static(CONSERVATIVE), p_i, p_j, p_i)) * x_ij
         gained = (dt[0] * wp.float64(volume)) * vec64(total)
         impulse[j] = impulse[j] + gained
         work[j] = work[j] - wp.dot(gained, vec64(u[j]))
