@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import pytest
@@ -9,7 +10,7 @@ import pytest
 from tests.scenes import HAMILTONIAN, beam
 from warp_mps.cost import estimate, refuse_too_large
 from warp_mps.errors import InputError
-from warp_mps.scene import Contact, Wall
+from warp_mps.scene import Contact, Fluid, Scene, Wall
 from warp_mps.shapes import Box
 from warp_mps.simulation import Simulation
 
@@ -54,3 +55,19 @@ def test_damping_of_the_material_costs_time() -> None:
     body = plain.bodies[0]
     damped = replace(plain, bodies=(replace(body, material=replace(body.material, retardation_time=1e-6)),))
     assert estimate(damped).seconds > 2.0 * estimate(plain).seconds
+
+
+def test_the_estimate_of_fluids() -> None:
+    """The step is that of the run, the steps those of an interval as it begins."""
+    floor = Wall(name="floor", shape=Box((0.3, 0.04), (0.1, -0.02)), spacing=0.01, path="/World/floor")
+    water = Fluid(name="water", shape=Box((0.2, 0.1), (0.1, 0.05)), spacing=0.01)
+    scene = Scene(fluids=(water,), walls=(floor,), gravity=(0.0, -9.81), duration=0.1, frame_rate=20.0)
+    cost, simulation = estimate(scene), Simulation(scene)
+    assert cost.particles == {"floor": 120, "water": 200}
+    assert cost.dt == cost.dt_limit == simulation.fluids.step_limit
+    assert (cost.steps, cost.frames) == (math.ceil(0.1 / cost.dt), 3)
+    assert cost.seconds > 0.0
+    assert estimate(replace(scene, time_step=1e-4)).steps == 1000
+    coarse = replace(scene, fluids=(replace(water, spacing=1e-8),), walls=())
+    with pytest.raises(InputError, match="fluid 'water' spacing: 1e-08 m makes"):
+        estimate(coarse)

@@ -2,20 +2,28 @@
 
 from __future__ import annotations
 
+import math
 import os
 from dataclasses import dataclass
+
+import numpy as np
 
 from warp_mps.checks import place
 from warp_mps.clock import Clock
 from warp_mps.core.weights import lattice_neighbours
 from warp_mps.errors import InputError
-from warp_mps.particles import count_particles, kind_of
+from warp_mps.particles import count_particles, fill_scene, kind_of
 from warp_mps.scene import Scene
 
 # seconds a particle-step and neighbour on one CPU core, as the benchmark measures it (2-D, 3-D)
 SECONDS_PER_PAIR = {"springs": {2: 12e-9, 3: 28e-9}, "hamiltonian": {2: 7e-9, 3: 9e-9}}
 # times as long with a retardation time
 VISCOUS = {2: 2.6, 3: 3.7}
+# seconds that a step of fluids takes a particle, walls included, on one CPU core (2-D, 3-D)
+SECONDS_PER_FLUID_STEP = {2: 3e-6, 3: 4e-6}
+# bytes that a particle of a scene of fluids takes at most; tanks of 0.1 and 0.3 million particles were measured to need
+# 1140 in 2-D and 1100 in 3-D, where most were of walls
+BYTES_OF_FLUID = {2: 1600, 3: 4000}
 # bytes that a particle and a pair take at most (2-D, 3-D); a block of a million particles was measured to need 0.7 GB
 # in 2-D and 1.8 GB in 3-D, where these figures give 1.1 and 2.4
 BYTES_PER_PARTICLE = {2: 600, 3: 900}
@@ -32,8 +40,9 @@ class Cost:
     Attributes:
         particles: Number of particles of each body and wall, at most.
         neighbours: Neighbours of a particle inside a body.
-        dt: Time step [s].
-        steps: Number of steps.
+        dt: Time step [s]; of fluids the longest.
+        dt_limit: Time step above which the run is unstable [s].
+        steps: Number of steps; of fluids the least.
         frames: Number of saved frames.
         memory: Memory needed at most [bytes].
         seconds: Wall time on one CPU core [s].
@@ -42,6 +51,7 @@ class Cost:
     particles: dict[str, int]
     neighbours: int
     dt: float
+    dt_limit: float
     steps: int
     frames: int
     memory: float
@@ -52,8 +62,10 @@ def estimate(scene: Scene) -> Cost:
     """Estimate what a run of a scene takes.
 
     Raises:
-        InputError: A body cannot be filled.
+        InputError: A body cannot be filled, or fluids need more memory than there is.
     """
+    if scene.fluids:
+        return _estimate_fluids(scene)
     clock = Clock(scene)
     particles = count_particles(scene)
     total = sum(particles.values())
@@ -66,6 +78,7 @@ def estimate(scene: Scene) -> Cost:
         particles=particles,
         neighbours=neighbours,
         dt=clock.dt,
+        dt_limit=clock.dt_limit,
         steps=clock.steps,
         frames=clock.steps // clock.frame_every + 1,
         memory=memory_of(scene, total),
@@ -73,9 +86,32 @@ def estimate(scene: Scene) -> Cost:
     )
 
 
+def _estimate_fluids(scene: Scene) -> Cost:
+    from warp_mps.fluid.fluids import step_limit
+
+    refuse_too_large(scene)  # for the fall of the particles, which says how long a step can be, they must be filled
+    clock, filled = Clock(scene), fill_scene(scene)
+    particles = dict(zip(filled.names, np.diff(filled.ranges, axis=1).ravel().tolist(), strict=True))
+    limit = step_limit(scene, filled)
+    dt = min(limit, scene.time_step or limit, clock.dt)
+    steps = math.ceil(scene.duration / dt - 1e-6)
+    return Cost(
+        particles=particles,
+        neighbours=lattice_neighbours(scene.dimension, scene.flow.radius(scene.dimension)),
+        dt=dt,
+        dt_limit=limit,
+        steps=steps,
+        frames=clock.steps // clock.frame_every + 1,
+        memory=memory_of(scene, filled.count),
+        seconds=steps * filled.count * SECONDS_PER_FLUID_STEP[scene.dimension],
+    )
+
+
 def memory_of(scene: Scene, particles: int) -> float:
     """Memory that a run with so many particles needs at most [bytes]."""
     d = scene.dimension
+    if scene.fluids:
+        return float(particles) * BYTES_OF_FLUID[d]
     pairs = lattice_neighbours(d, scene.elasticity.effective_radius)
     return float(particles) * (BYTES_PER_PARTICLE[d] + BYTES_PER_PAIR[d] * pairs + _bytes_of_contact(scene))
 

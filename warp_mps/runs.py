@@ -16,6 +16,7 @@ import numpy as np
 from warp_mps import __version__
 from warp_mps.cost import refuse_too_large
 from warp_mps.errors import InputError, RunError
+from warp_mps.fluid_checks import remarks
 from warp_mps.observers import checkpoint as checkpoint_file
 from warp_mps.observers.base import Observer
 from warp_mps.observers.checkpoint import Checkpoint, CheckpointWriter, load_checkpoint
@@ -72,6 +73,8 @@ def run_scene(
     longest, limit = simulation.longest_step
     if longest > limit:
         _say(f"the time step of {longest:.4g} s is above the limit of {limit:.4g} s: expect an unstable run")
+    for line in [] if quiet else remarks(scene):
+        _say(line)
     if checkpoint is not None:
         simulation.restore(checkpoint.arrays)
         if simulation.step > simulation.total_steps:
@@ -210,7 +213,7 @@ def _provenance(simulation: Simulation) -> dict[str, str | float | int]:
     return {
         "case": scene.name,
         "program": f"warp_mps {__version__}",
-        "model": scene.elasticity.model,
+        "model": scene.flow.scheme if scene.fluids else scene.elasticity.model,
         "device": simulation.device,
         "precision": simulation.precision,
         "time step [s]": simulation.dt,

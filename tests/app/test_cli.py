@@ -17,6 +17,9 @@ from tests.usd.stages import write
 from warp_mps.app.cli import main
 from warp_mps.catalogue import shipped_cases
 from warp_mps.history import read_history
+from warp_mps.scene import Fluid, Probe, Scene
+from warp_mps.shapes import Box
+from warp_mps.usd.save import save_stage
 
 SHAKEN = {"Beam": ("double3 mps:velocity = (1, 0, 0)",), "Tip": ("Xform", 'token mps:role = "probe"')}
 
@@ -69,6 +72,27 @@ def test_check_shows_what_a_body_of_several_materials_is_made_of(
     text = capsys.readouterr().out
     assert "Beam: 300 particles, 5850 kg/m" in text
     assert "Beam, part Core: 100 particles, 975 kg/m" in text
+
+
+def test_fluids_are_checked_and_run(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A falling drop: what it lacks is remarked, and what is said of the run is not the energy of a body."""
+    drop = Fluid(name="drop", shape=Box((0.1, 0.1)), spacing=0.01)
+    stage, out = str(tmp_path / "drop.usda"), tmp_path / "out"
+    probe = Probe(name="drop", body="drop", quantity="volume")
+    save_stage(Scene(fluids=(drop,), probes=(probe,), gravity=(0.0, -9.81), duration=0.02), stage)
+    assert main(["check", stage]) == 0
+    text = capsys.readouterr().out
+    assert "2-D, fluid scheme conservative" in text
+    assert "longest time step" in text
+    assert "no walls: nothing holds the fluid" in text
+    assert "no gravity" not in text
+    assert main(["run", stage, "--out", str(out)]) == 0
+    captured = capsys.readouterr()
+    assert "warp-mps: no walls: nothing holds the fluid" in captured.err
+    assert "iterations a pressure solve" in captured.out
+    assert "energy drift" not in captured.out
+    assert "UNSOLVED" not in captured.out
+    assert read_history(out / "probes.csv").probe("drop")[-1] == pytest.approx(0.01, rel=0.02)
 
 
 def test_run_leaves_its_results(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

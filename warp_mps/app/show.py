@@ -13,6 +13,7 @@ from rich.table import Table
 from warp_mps.catalogue import shipped_cases
 from warp_mps.clock import Clock
 from warp_mps.cost import available_memory, estimate, refuse_too_large
+from warp_mps.fluid_checks import remarks
 from warp_mps.observers.sampling import make_sampler
 from warp_mps.particles import Particles, fill_scene, select_held
 from warp_mps.results import RunSummary
@@ -43,14 +44,13 @@ def show_check(scene: Scene) -> int:
     cost, clock = estimate(scene), Clock(scene)
     table = _table("", "")
     table.show_header = False
-    kind = "3-D" if scene.dimension == 3 else f"2-D, plane {scene.plane}"
-    table.add_row("case", f"{scene.name} ({kind}, model {scene.elasticity.model})")
+    table.add_row("case", f"{scene.name} ({_kind(scene)})")
     for name, count in cost.particles.items():
         table.add_row(f"particles of {name}", f"{count}")
     table.add_row("neighbours of a particle", f"{cost.neighbours}")
-    note = "" if clock.dt <= clock.dt_limit else f"  ABOVE THE LIMIT of {clock.dt_limit:.4g} s: will be unstable"
-    table.add_row("time step", f"{cost.dt:.4g} s{note}")
-    table.add_row("steps, frames", f"{cost.steps}, {cost.frames}")
+    note = "" if cost.dt <= cost.dt_limit else f"  ABOVE THE LIMIT of {cost.dt_limit:.4g} s: will be unstable"
+    table.add_row("longest time step" if scene.fluids else "time step", f"{cost.dt:.4g} s{note}")
+    table.add_row("steps at least, frames" if scene.fluids else "steps, frames", f"{cost.steps}, {cost.frames}")
     rates = (1.0 / (every * clock.dt) for every in (clock.frame_every, clock.sample_every))
     table.add_row("frames, rows of probes.csv a second", ", ".join(f"{rate:.6g}" for rate in rates))
     available = available_memory()
@@ -58,6 +58,8 @@ def show_check(scene: Scene) -> int:
     table.add_row("memory", f"{_bytes(cost.memory)} of {_bytes(available)} available{note}")
     table.add_row("expected time on one CPU core", _duration(cost.seconds))
     console().print(table)
+    for line in remarks(scene):
+        console().print(line, highlight=False, soft_wrap=True)
     refuse_too_large(scene)
     particles = fill_scene(scene)
     for line in part_lines(scene, particles):
@@ -85,17 +87,34 @@ def part_lines(scene: Scene, particles: Particles) -> list[str]:
 def show_summary(summary: RunSummary, folder: Path) -> None:
     """Print how a run went and where its results are."""
     out = console()
-    speed = summary.particle_steps_per_second.get("solid") or 0.0
-    drift = summary.energy.get("drift")
+    speed = sum(value or 0.0 for value in summary.particle_steps_per_second.values())
     out.print(
         f"{summary.case}: {summary.steps} steps, {summary.time:.6g} s simulated in {_duration(summary.wall_seconds)} "
-        f"({speed / 1e6:.3g} million particle-steps a second), energy drift {_percent(drift)}",
+        f"({speed / 1e6:.3g} million particle-steps a second), {_account(summary)}",
         highlight=False,
         soft_wrap=True,
     )
     if summary.measurements:
         show_measurements([(summary.case, row) for row in summary.measurements])
     out.print(f"results in {folder}", highlight=False, soft_wrap=True)
+
+
+def _kind(scene: Scene) -> str:
+    """Dimension and method of a scene."""
+    if scene.fluids:
+        return f"{scene.dimension}-D, fluid scheme {scene.flow.scheme}"
+    kind = "3-D" if scene.dimension == 3 else f"2-D, plane {scene.plane}"
+    return f"{kind}, model {scene.elasticity.model}"
+
+
+def _account(summary: RunSummary) -> str:
+    """What tells of the accuracy of a run: its energy, or with fluids, which lose some, the pressure solves."""
+    if not summary.fluid:
+        return f"energy drift {_percent(summary.energy.get('drift'))}"
+    lost, unsolved = (int(summary.fluid.get(name, 0)) for name in ("lost", "unsolved"))
+    text = f"{summary.fluid.get('pressure_iterations', 0.0):.3g} iterations a pressure solve"
+    text += f", {unsolved} UNSOLVED" if unsolved else ""
+    return text + (f", {lost} particles lost" if lost else "")
 
 
 def show_measurements(rows: Sequence[tuple[str, dict[str, Any]]]) -> None:
