@@ -189,3 +189,14 @@ def test_what_walls_show_is_the_pressure_of_the_water_beside_them() -> None:
     beside = (fluids.lists.count.numpy() > 0) & (np.linalg.norm(x - np.clip(x, 0.0, 8 * L0), axis=1) < 2.0 * L0)
     assert beside[:w].sum() > 40
     np.testing.assert_allclose(shown[beside], RHO * (x @ gravity)[beside], atol=1e-9 * np.abs(shown).max())
+
+
+def test_walls_above_the_water_show_no_pressure() -> None:
+    """And none shows less than 0 where pressures are clipped."""
+    fluids = fluids_of(tank((8, 8), room=(8, 16)))
+    fluids.state.p.assign(RHO * 9.81 * (8 * L0 - fluids.state.x.numpy()[wall_count(fluids) :, 1]))
+    shown, y = fluids.pressures(), fluids.positions()[:, 1]
+    assert shown.min() == 0.0
+    beside = shown[: wall_count(fluids)]
+    assert beside[y[: wall_count(fluids)] > 10.5 * L0].max() == 0.0
+    assert beside.max() > RHO * 9.81 * 8.0 * L0

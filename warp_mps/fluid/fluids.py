@@ -231,8 +231,9 @@ class Fluids(FluidReadings):
         inputs = [lists.period, self._spacing, mass, *self._listed(), state.x, state.u]
         self._launch(motion.collide_walls, self._walls, inputs, [state.impulse, state.work])
         low, high = self._kit.vec(*self._low), self._kit.vec(*self._high)
-        inputs = [self._walls, low, high, lists.period, self._dt, self._du, self._shift]
-        self._launch(motion.finish, self._m, inputs, [state.x, state.u, state.lost, state.stale])
+        inputs = [self._walls, low, high, lists.period, self._gravity, self._dt, self._du, self._shift]
+        outputs = [state.x, state.u, state.lost, state.stale, state.fallen]
+        self._launch(motion.finish, self._m, inputs, outputs)
 
     def _sort(self) -> None:
         """Put the fluid's particles in the order of the cells that they are in: what is near is then near in memory."""

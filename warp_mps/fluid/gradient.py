@@ -166,6 +166,7 @@ def gradient_kernels(kit: Kit) -> SimpleNamespace:
     def wall_pressure(
         # Model:
         walls: wp.int32,
+        clip: wp.int32,
         period: vec,
         radius: real,
         density: real,
@@ -188,7 +189,7 @@ def gradient_kernels(kit: Kit) -> SimpleNamespace:
             i = listed[j, m]
             x_ij = apart(x[i], x_j, period)
             w = weight(wp.length(x_ij), radius)
-            total += w * (real(p[i - walls]) + density * wp.dot(gravity - a[j], x_ij))
+            total += w * beyond(real(p[i - walls]), density * wp.dot(gravity - a[j], x_ij), clip)
             weights += w
         if weights > real(0.0):
             total = total / weights

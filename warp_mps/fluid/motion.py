@@ -198,6 +198,7 @@ def motion_kernels(kit: Kit) -> SimpleNamespace:
         low: vec,
         high: vec,
         period: vec,
+        gravity: vec,
         # State in:
         dt: wp.array(dtype=wp.float64),
         du: wp.array(dtype=vec),
@@ -207,6 +208,7 @@ def motion_kernels(kit: Kit) -> SimpleNamespace:
         u_out: wp.array(dtype=vec),
         lost_out: wp.array(dtype=wp.int32),
         stale_out: wp.array(dtype=wp.int32),
+        fallen_out: wp.array(dtype=wp.float64),
     ):
         """End a step: collisions and shifts, periods, and particles that have left the domain and the lists."""
         k = wp.tid()
@@ -217,7 +219,10 @@ def motion_kernels(kit: Kit) -> SimpleNamespace:
         x = x_out[i] + real(dt[0]) * du[k] + shift[k]
         for axis in range(wp.static(d)):
             if period[axis] > real(0.0):
-                x[axis] = x[axis] - period[axis] * wp.floor((x[axis] - low[axis]) / period[axis])
+                gone = period[axis] * wp.floor((x[axis] - low[axis]) / period[axis])
+                if gone != real(0.0):
+                    x[axis] = x[axis] - gone
+                    fallen_out[k] = fallen_out[k] + wp.float64(gravity[axis] * gone)
             elif not (x[axis] >= low[axis] and x[axis] <= high[axis]):
                 lost_out[i] = 1
         if lost_out[i] == 1:

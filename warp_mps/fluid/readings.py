@@ -26,6 +26,7 @@ class FluidReadings:
     lists: NeighbourLists
     _particles: Particles
     _walls: int
+    _clip: int
     _m: int
     _d: int
     _density: float
@@ -51,8 +52,8 @@ class FluidReadings:
         """Pressures, on walls those of the fluid beside them [Pa], shape [n]."""
         state, ops = self.state, self.operators
         walls = wp.zeros(max(self._walls, 1), dtype=wp.float64, device=self._device)
-        inputs = [self._walls, self.lists.period, ops.radius, self._density, self._gravity, *self._listed()]
-        inputs += [state.x, state.a, state.p]
+        inputs = [self._walls, self._clip, self.lists.period, ops.radius, self._density, self._gravity]
+        inputs += [*self._listed(), state.x, state.a, state.p]
         self._launch(self._kernels[1].wall_pressure, self._walls, inputs, [walls])
         return np.concatenate((walls.numpy()[: self._walls], self._ordered(state.p.numpy())))
 
@@ -126,7 +127,8 @@ class FluidReadings:
         fallen = (x - self._particles.positions[self._walls :]) @ self._gravity_host
         work = float(self.state.work.numpy().sum())
         kinetic = 0.5 * mass * float(np.sum(u**2))
-        potential = -mass * float(np.sum(fallen))
+        # a particle that goes round a period has fallen by all of it
+        potential = -mass * float(np.sum(fallen) + self.state.fallen.numpy().sum())
         return Energy(kinetic=kinetic, elastic=0.0, contact=0.0, potential=potential, work=work, dissipated=0.0)
 
     def statistics(self) -> Statistics:

@@ -29,6 +29,7 @@ class FluidState:
         impulse:  Impulse of the fluid on the walls since the last whole interval [N s], in 2-D [N s/m], float64 [w].
         work:     Work of the walls on the fluid [J], in 2-D [J/m], float64 [w].
         forces:   Force of the fluid on the walls, its mean over the last whole interval [N], in 2-D [N/m], float64 [w].
+        fallen:   Fall through periods so far, g times way, of what was at this place [m^2/s^2], float64 [m].
         time:     Time [s], float64 [1].
         steps:    Number of steps done, int32 [1].
         x_listed: Positions at which the neighbour lists were made [m], vec [n].
@@ -46,6 +47,7 @@ class FluidState:
     impulse: wp.array
     work: wp.array
     forces: wp.array
+    fallen: wp.array
     time: wp.array
     steps: wp.array
     x_listed: wp.array
@@ -89,6 +91,7 @@ def initial_state(particles: Particles, lists: NeighbourLists, n0: float, *, kit
         impulse=wp.zeros(max(n - m, 1), dtype=vec64, device=device),
         work=wp.zeros(max(n - m, 1), dtype=wp.float64, device=device),
         forces=wp.zeros(max(n - m, 1), dtype=vec64, device=device),
+        fallen=wp.zeros(m, dtype=wp.float64, device=device),
         time=wp.zeros(1, dtype=wp.float64, device=device),
         steps=wp.zeros(1, dtype=wp.int32, device=device),
         x_listed=lists.x_listed,
