@@ -108,8 +108,8 @@ BROKEN: list[tuple[str, str, str, dict[str, Any]]] = [
     (
         "/World",
         "flow.domain.high",
-        "above two effective radii, 0.124 m",
-        flow(domain=((0.0, 0.0), (0.12, 1.0)), periodic=(0,)),
+        "above four effective radii, 0.248 m",
+        flow(domain=((0.0, 0.0), (0.24, 1.0)), periodic=(0,)),
     ),
     (
         "/World",
@@ -178,6 +178,12 @@ def test_what_a_fluid_lacks_is_remarked() -> None:
     assert remarks(scene(gravity=(0.0, 0.0))) == ["no gravity: the fluid has no weight"]
     assert len(remarks(scene(walls=(), gravity=()))) == 2
     assert remarks(Scene(bodies=(block(2),), duration=1.0)) == []
+
+
+def test_a_fluid_outside_of_the_domain_is_refused() -> None:
+    fill_scene(scene(**flow(domain=((-0.2, -0.1), (0.2, 0.3)))))
+    with pytest.raises(InputError, match=r"^/World/water shape: reaches out of the domain at \(0.17, "):
+        fill_scene(scene(**flow(domain=((-0.2, -0.1), (0.165, 0.3)))))
 
 
 def test_a_fluid_inside_a_wall_is_refused() -> None:

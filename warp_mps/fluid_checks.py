@@ -143,8 +143,8 @@ def _periodic(scene: Scene) -> None:
         return
     lengths = np.subtract(flow.domain[1], flow.domain[0])[list(flow.periodic)]
     for fluid in scene.fluids[:1]:
-        least = 2.0 * flow.radius(scene.dimension) * fluid.spacing
-        reason = f"makes a period of {lengths.min():g} m, must be above two effective radii, {least:g} m"
+        least = 4.0 * flow.radius(scene.dimension) * fluid.spacing
+        reason = f"makes a period of {lengths.min():g} m, must be above four effective radii, {least:g} m"
         require(bool(np.all(lengths > least)), where, "flow.domain.high", reason)
 
 
