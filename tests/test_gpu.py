@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from tests.elastic.test_viscosity import viscous
+from tests.fluid.test_fluids import splash
 from tests.scenes import HAMILTONIAN, SPRINGS, block, scene_of
 from warp_mps.scene import Contact, Scene
 from warp_mps.shapes import Box
@@ -72,3 +73,19 @@ def test_graphs_and_repetition_give_the_same_bits(model: str, precision: str) ->
         results.append(simulation.positions)
     np.testing.assert_array_equal(results[0], results[1])
     np.testing.assert_array_equal(results[0], results[2])
+
+
+@pytest.mark.parametrize(("dimension", "precision"), [(2, "float64"), (3, "float32")])
+def test_water_on_the_gpu(dimension: int, precision: str) -> None:
+    """Near the CPU's before the flow turns violent, and the same bits twice, with graphs and without."""
+    scene = splash(dimension)
+    cpu = Simulation(scene, precision=precision)
+    runs = [Simulation(scene, device="cuda:0", precision=precision, graphs=graphs) for graphs in (True, True, False)]
+    for simulation in (cpu, *runs):
+        simulation.advance(6)
+    near = 1e-3 * np.abs(cpu.displacements).max()
+    np.testing.assert_allclose(runs[0].positions, cpu.positions, rtol=0.0, atol=near)
+    arrays = [simulation.state_arrays() for simulation in runs]
+    for other in arrays[1:]:
+        for name, values in arrays[0].items():
+            np.testing.assert_array_equal(other[name], values, err_msg=name)

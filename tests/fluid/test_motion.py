@@ -8,6 +8,7 @@ import pytest
 from tests.fluid.scenes import (
     KINDS,
     L0,
+    box,
     fluids_of,
     pairs,
     periodic_box,
@@ -22,7 +23,7 @@ from tests.fluid.scenes import (
 )
 from warp_mps.fluid.fluids import Fluids
 from warp_mps.fluid.motion import COLLISION, LARGEST_SHIFT, RESTITUTION
-from warp_mps.scene import Flow, Liquid
+from warp_mps.scene import Flow, Liquid, Wall
 
 NU = 0.01
 DT = 1e-4
@@ -70,6 +71,9 @@ def test_viscous_forces_are_those_of_numpy(dimension: int, precision: str, slip:
     _, _, weights = pairs(fluids)
     if slip == "free":
         weights[:, :w] = 0.0
+    else:
+        near, beside = weights[:w, w:], weights[:w, w:].sum(axis=1) > 0.0
+        u[:w][beside] = -(near @ u[w:])[beside] / near.sum(axis=1)[beside, None]
     factor = NU * fluids.operators.laplacian
     expected = factor * (weights[w:] @ u - weights[w:].sum(axis=1)[:, None] * u[w:])
     near = tolerance(precision, 1e-9, 1e-3)
@@ -97,6 +101,35 @@ def test_the_viscosity_of_a_quadratic_velocity_is_exact(dimension: int) -> None:
     expected = NU * np.array([6.0, 2.0, 0.0][:dimension])
     found = predicted(fluids)[inside]
     np.testing.assert_allclose(found, np.broadcast_to(expected, found.shape), rtol=1e-8, atol=1e-12)
+
+
+def channel_error(cells: int) -> float:
+    """Error of a flow along a channel that starts from rest, relative to its speed (root mean squares)."""
+    height, g, end, spacing = 0.2, 0.1, 1.0, 0.2 / cells
+    width, t = 16 * spacing, 4 * spacing
+    walls = tuple(
+        Wall(name=name, shape=box([0.0, low], [width, low + t]), spacing=spacing, slip="no")
+        for name, low in (("floor", -t), ("ceiling", height))
+    )
+    body = water([0.0, 0.0], [width, height], spacing=spacing, liquid=VISCOUS)
+    flow = Flow(domain=([0.0, -t], [width, height + t]), periodic=(0,))
+    fluids = fluids_of(scene_of(body, walls=walls, gravity=(g, 0.0), flow=flow))
+    fluids.advance(end)
+    w = wall_count(fluids)
+    y, u = fluids.positions()[w:, 1], fluids.velocities()[w:]
+    expected = 0.5 * g / NU * y * (height - y)
+    for k in np.pi * np.arange(1, 40, 2) / height:
+        expected -= 4.0 * g / (NU * height * k**3) * np.sin(k * y) * np.exp(-(k**2) * NU * end)
+    speed = np.sqrt(np.mean(expected**2))
+    assert np.abs(u[:, 1]).max() < 0.05 * speed
+    return float(np.sqrt(np.mean((u[:, 0] - expected) ** 2)) / speed)
+
+
+def test_a_flow_along_a_channel_is_that_of_poiseuille() -> None:
+    """While it builds up, between walls without slip, with an error of the second order in the spacing."""
+    coarse, fine = channel_error(8), channel_error(16)
+    assert coarse < 0.04
+    assert fine < 0.4 * coarse
 
 
 @pytest.mark.parametrize("precision", ["float64", "float32"])

@@ -109,7 +109,7 @@ class Fluids(FluidReadings):
             m, kit=kit, device=device, tolerance=tolerance, max_iterations=MAX_ITERATIONS, preconditioner=preconditioner
         )
         self._du, self._shift = zeros(m, kit.vec), zeros(m, kit.vec)
-        self._acceleration = zeros(n, kit.vec)
+        self._acceleration, self._mirrored = zeros(n, kit.vec), zeros(max(n - m, 1), kit.vec)
         self._floors = zeros(-(-m // CHUNK), wp.float64)
         self._speeds = zeros(-(-n // CHUNK), kit.real)
         self._dt, self._target, self._time_after = (zeros(1, wp.float64) for _ in range(3))
@@ -177,8 +177,15 @@ class Fluids(FluidReadings):
         state, motion, lists = self.state, self._kernels[2], self.lists
         if self._viscosity > 0.0:
             factor = self._viscosity * self.operators.laplacian
+            inputs = [lists.period, self.operators.radius, self._sticks, *self._listed(), state.x, state.u, state.lost]
+            self._launch(motion.mirror, self._walls, inputs, [self._mirrored])
             inputs = [self._walls, lists.period, self.operators.radius, factor, self._sticks, *self._listed()]
-            self._launch(motion.viscosity, len(state.x), [*inputs, state.x, state.u, state.lost], [self._acceleration])
+            self._launch(
+                motion.viscosity,
+                len(state.x),
+                [*inputs, state.x, state.u, state.lost, self._mirrored],
+                [self._acceleration],
+            )
         mass = self._density * self._volume
         inputs = [self._walls, self._gravity, mass, self._dt, self._acceleration, state.lost]
         self._launch(motion.predict, len(state.x), inputs, [state.x, state.u, state.impulse, state.work])

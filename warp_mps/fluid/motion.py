@@ -5,7 +5,11 @@ closer than `COLLISION` that approach each other collide, which the pressure alo
 Where pressures may be negative, or gradients are not repulsive, particles are shifted against the gradient of their
 concentration (Lind, Xu, Stansby & Rogers 2012), away from the free surface.
 
+Where water does not slip, viscosity sees inside a wall the velocity u_w + (u_w - u), u that of the water about there,
+so that the water has the wall's velocity u_w at the wall's face (Adami, Hu & Adams 2012).
+
 References:
+    Adami, S., Hu, X. Y. and Adams, N. A., Journal of Computational Physics 231 (2012) 7057.
     Koshizuka, S. and Oka, Y., Nuclear Science and Engineering 123 (1996) 421.
     Lind, S. J., Xu, R., Stansby, P. K. and Rogers, B. D., Journal of Computational Physics 231 (2012) 1499.
 """
@@ -29,7 +33,7 @@ SHIFT, LARGEST_SHIFT = 0.1, 0.02
 
 @functools.cache
 def motion_kernels(kit: Kit) -> SimpleNamespace:
-    """Kernels `viscosity`, `predict`, `apply`, `collide`, `collide_walls`, `finish`, `fastest`, `plan` and `tick`."""
+    """Kernels `mirror`, `viscosity`, `predict`, `apply`, `collide`, `collide_walls`, `finish`, `fastest`, `plan`, `tick`."""
     real, vec, d = kit.real, kit.vec, kit.dimension
     vec64 = wp.types.vector(length=d, dtype=wp.float64)
     apart, weight = list_kernels(kit).apart, pressure_kernels(kit).weight
@@ -42,6 +46,36 @@ def motion_kernels(kit: Kit) -> SimpleNamespace:
             return vec()
         approach = wp.min(wp.dot(u_ij, x_ij) / r, real(0.0))
         return (real(wp.static(1.0 + RESTITUTION)) * approach / r) * x_ij
+
+    @kit.kernel(METHOD)
+    def mirror(
+        # Model:
+        period: vec,
+        radius: real,
+        sticks: wp.array(dtype=wp.int32),
+        listed: wp.array(dtype=wp.int32, ndim=2),
+        count: wp.array(dtype=wp.int32),
+        # State in:
+        x: wp.array(dtype=vec),
+        u: wp.array(dtype=vec),
+        lost: wp.array(dtype=wp.int32),
+        # Out:
+        mirrored_out: wp.array(dtype=vec),
+    ):
+        """Velocity that the viscosity of the water sees at a wall's particle."""
+        j = wp.tid()
+        u_j = u[j]
+        total = vec()
+        weights = real(0.0)
+        if sticks[j] == 1:
+            for m in range(count[j]):
+                i = listed[j, m]
+                w = real(1 - lost[i]) * weight(wp.length(apart(x[i], x[j], period)), radius)
+                total += w * (u_j - u[i])
+                weights += w
+        if weights > real(0.0):
+            u_j += total / weights
+        mirrored_out[j] = u_j
 
     @kit.kernel(METHOD)
     def viscosity(
@@ -57,6 +91,7 @@ def motion_kernels(kit: Kit) -> SimpleNamespace:
         x: wp.array(dtype=vec),
         u: wp.array(dtype=vec),
         lost: wp.array(dtype=wp.int32),
+        mirrored: wp.array(dtype=vec),
         # Out:
         acceleration_out: wp.array(dtype=vec),
     ):
@@ -64,11 +99,16 @@ def motion_kernels(kit: Kit) -> SimpleNamespace:
         i = wp.tid()
         x_i = x[i]
         u_i = u[i]
+        if i < walls:
+            u_i = mirrored[i]
         total = vec()
         for m in range(count[i]):
             j = listed[i, m]
             if sticks[i] + sticks[j] == 2 and lost[j] == 0:
-                total += weight(wp.length(apart(x_i, x[j], period)), radius) * (u[j] - u_i)
+                u_j = u[j]
+                if j < walls:
+                    u_j = mirrored[j]
+                total += weight(wp.length(apart(x_i, x[j], period)), radius) * (u_j - u_i)
         acceleration_out[i] = factor * total
 
     @kit.kernel(METHOD)
@@ -281,6 +321,6 @@ def motion_kernels(kit: Kit) -> SimpleNamespace:
         steps_out[0] = steps_out[0] + 1
 
     return SimpleNamespace(
-        viscosity=viscosity, predict=predict, apply=apply, collide=collide, collide_walls=collide_walls,
+        mirror=mirror, viscosity=viscosity, predict=predict, apply=apply, collide=collide, collide_walls=collide_walls,
         finish=finish, fastest=fastest, plan=plan, tick=tick,
     )  # fmt: skip
