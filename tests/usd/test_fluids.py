@@ -145,9 +145,9 @@ def test_a_liquid_in_the_units_of_the_stage(tmp_path: Path) -> None:
 
 
 def test_a_domain_in_the_units_of_the_stage(tmp_path: Path) -> None:
-    corners = "double3 mps:domainLow = (-60, -50, 0)\n    double3 mps:domainHigh = (50, 70, 0)"
+    corners = "double3 mps:domainLow = (-60, -50, 0)\n    double3 mps:domainHigh = (50, 90, 0)"
     flow = read_stage(written(tmp_path, scene=corners + '\n    token mps:periodicAxes = "y"')).flow
-    np.testing.assert_allclose(flow.domain, [(-0.6, -0.5), (0.5, 0.7)])
+    np.testing.assert_allclose(flow.domain, [(-0.6, -0.5), (0.5, 0.9)])
     assert flow.periodic == (1,)
 
 
