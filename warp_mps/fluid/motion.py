@@ -33,7 +33,7 @@ SHIFT, LARGEST_SHIFT = 0.1, 0.02
 
 @functools.cache
 def motion_kernels(kit: Kit) -> SimpleNamespace:
-    """The kernels of the motion, in the order of a step from `mirror` to `finish`, then `fastest`, `plan` and `tick`."""
+    """The kernels of the motion, in the order of a step from `mirror` to `finish`, and `fastest`, `plan` and `tick`."""
     real, vec, d = kit.real, kit.vec, kit.dimension
     vec64 = wp.types.vector(length=d, dtype=wp.float64)
     apart, weight = list_kernels(kit).apart, pressure_kernels(kit).weight
