@@ -9,7 +9,8 @@ import pytest
 
 from tests.scenes import block
 from warp_mps.errors import InputError
-from warp_mps.fluid_checks import remarks
+from warp_mps.fluid import lists
+from warp_mps.fluid_checks import SKIN, remarks
 from warp_mps.particles import fill_scene
 from warp_mps.scene import Flow, Fluid, Liquid, Load, Probe, Scene, Support, VelocityField, Wall
 from warp_mps.shapes import Box
@@ -108,8 +109,8 @@ BROKEN: list[tuple[str, str, str, dict[str, Any]]] = [
     (
         "/World",
         "flow.domain.high",
-        "above four effective radii, 0.248 m",
-        flow(domain=((0.0, 0.0), (0.24, 1.0)), periodic=(0,)),
+        "makes a period of 0.2 m, must be at least 0.204 m",
+        flow(domain=((0.0, 0.0), (0.2, 1.0)), periodic=(0,)),
     ),
     (
         "/World",
@@ -180,10 +181,8 @@ def test_what_a_fluid_lacks_is_remarked() -> None:
     assert remarks(Scene(bodies=(block(2),), duration=1.0)) == []
 
 
-def test_a_fluid_outside_of_the_domain_is_refused() -> None:
-    fill_scene(scene(**flow(domain=((-0.2, -0.1), (0.2, 0.3)))))
-    with pytest.raises(InputError, match=r"^/World/water shape: reaches out of the domain at \(0.17, "):
-        fill_scene(scene(**flow(domain=((-0.2, -0.1), (0.165, 0.3)))))
+def test_the_least_period_is_that_of_the_neighbour_lists() -> None:
+    assert SKIN == lists.SKIN
 
 
 def test_a_fluid_inside_a_wall_is_refused() -> None:

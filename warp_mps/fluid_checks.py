@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
 # relative difference up to which spacings are the same
 SAME = 1e-6
+# by how much neighbour lists reach beyond the effective radius, in spacings: `warp_mps.fluid.lists.SKIN`, without Warp
+SKIN = 0.3
 # two directions are at right angles when the cosine between them is no larger
 RIGHT_ANGLE = 1e-6
 
@@ -143,9 +145,10 @@ def _periodic(scene: Scene) -> None:
         return
     lengths = np.subtract(flow.domain[1], flow.domain[0])[list(flow.periodic)]
     for fluid in scene.fluids[:1]:
-        least = 4.0 * flow.radius(scene.dimension) * fluid.spacing
-        reason = f"makes a period of {lengths.min():g} m, must be above four effective radii, {least:g} m"
-        require(bool(np.all(lengths > least)), where, "flow.domain.high", reason)
+        # a particle must not see another one twice
+        least = 3.0 * (flow.radius(scene.dimension) + SKIN) * fluid.spacing
+        reason = f"makes a period of {lengths.min():.4g} m, must be at least {least:.4g} m"
+        require(bool(np.all(lengths >= (1.0 - SAME) * least)), where, "flow.domain.high", reason)
 
 
 def _alike(scene: Scene) -> None:

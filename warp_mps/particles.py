@@ -105,8 +105,8 @@ def fill_scene(scene: Scene) -> Particles:
     """Fill the bodies, the walls and the fluids of a scene with particles.
 
     Raises:
-        InputError: A body or a wall is thinner than one particle, a body overlaps another or a wall, a part holds no
-            particle, or a fluid reaches out of the domain.
+        InputError: A body or a wall is thinner than one particle, a body overlaps another or a wall, or a part holds
+            no particle.
     """
     bodies = [_fill_body(scene, body) for body in scene.bodies]
     parts = [*bodies, *_fill_walls(scene), *(_fill_body(scene, fluid) for fluid in scene.fluids)]
@@ -136,7 +136,6 @@ def fill_scene(scene: Scene) -> Particles:
         ids=np.arange(int(ends[-1])),
     )
     _refuse_overlap(scene, particles)
-    _refuse_outside(scene, particles)
     _refuse_loose_bonds(scene, particles)
     return particles
 
@@ -285,19 +284,6 @@ def _refuse_overlap(scene: Scene, particles: Particles) -> None:
             at = ", ".join(f"{c:.6g}" for c in positions[np.argmax(bad)])
             reason = f"overlaps {place(other, kind_of(other))} at ({at}) m; bodies may touch but not share space"
             raise InputError(place(one, kind_of(one)), "shape", reason)
-
-
-def _refuse_outside(scene: Scene, particles: Particles) -> None:
-    """Refuse a fluid that is not within the domain from the start."""
-    if scene.flow.domain is None:
-        return
-    low, high = (np.asarray(corner, float) for corner in scene.flow.domain)
-    for fluid in scene.fluids:
-        positions = particles.positions[slice(*particles.ranges[particles.names.index(fluid.name)])]
-        outside = np.any((positions < low) | (positions > high), axis=1)
-        if outside.any():
-            at = ", ".join(f"{c:.6g}" for c in positions[np.argmax(outside)])
-            raise InputError(place(fluid, "fluid"), "shape", f"reaches out of the domain at ({at}) m")
 
 
 def kind_of(item: Body | Wall | Fluid) -> str:
