@@ -11,9 +11,8 @@ from warp_mps.core.multilevel import Multilevel
 from warp_mps.core.multilevel import declare_kernels as declare_multilevel
 from warp_mps.core.solver import ConjugateGradient, Matrix
 from warp_mps.core.solver import declare_kernels as declare_solver
-from warp_mps.errors import InputError
 from warp_mps.fluid.gradient import gradient_kernels
-from warp_mps.fluid.lists import METHOD, SKIN, NeighbourLists, list_kernels
+from warp_mps.fluid.lists import METHOD, NeighbourLists, list_kernels
 from warp_mps.fluid.motion import motion_kernels
 from warp_mps.fluid.operators import operators
 from warp_mps.fluid.pressure import CONSERVATIVE, CORRECTED, KOSHIZUKA_OKA, pressure_kernels
@@ -68,7 +67,6 @@ class Fluids(FluidReadings):
         self._shifts = int(self._scheme == CORRECTED or (self._scheme == CONSERVATIVE and not self._clip))
         self._volume = fluid.spacing**kit.dimension
         self._low, self._high = _domain(scene, particles)
-        _refuse_narrow(scene, self._high - self._low, self.operators.radius + SKIN * fluid.spacing)
         self.lists = NeighbourLists(
             particles.count, walls=self._walls, low=self._low, high=self._high, periodic=flow.periodic,
             radius=self.operators.radius, spacing=fluid.spacing, neighbours=self.operators.neighbours,
@@ -301,11 +299,3 @@ def _domain(scene: Scene, particles: Particles) -> tuple[np.ndarray, np.ndarray]
     low, high = particles.positions.min(axis=0), particles.positions.max(axis=0)
     margin = max(float((high - low).max()), 10.0 * scene.fluids[0].spacing)
     return low - margin, high + margin
-
-
-def _refuse_narrow(scene: Scene, size: np.ndarray, reach: float) -> None:
-    """Refuse a period in which a particle would see another one twice."""
-    for axis in scene.flow.periodic:
-        if size[axis] < 3.0 * reach:
-            reason = f"makes a period of {size[axis]:.4g} m, must be at least {3.0 * reach:.4g} m"
-            raise InputError(scene.path, "flow.domain.high", reason)
