@@ -201,3 +201,14 @@ def test_views_hold_what_observers_ask_for() -> None:
     for name in ("pressures", "number_densities", "von_mises", "strain_energy_densities"):
         assert getattr(simulation, name).shape == (n,)
     assert not simulation.reactions.any()
+
+
+def test_water_that_collapses_into_a_point_ends_the_run() -> None:
+    simulation = Simulation(scene_of(water([0.0, 0.0], [0.2, 0.2]), duration=0.1))
+    state = simulation.fluids.state
+    x = state.x.numpy().copy()
+    x[:] = [0.1, 0.3] + 0.01 * x
+    state.x.assign(x)
+    simulation.fluids.lists.renew(state.x, state.lost)
+    with pytest.raises(RunError, match=r"^at t = 0 s: more particles crowd about \(0\.1\d*, 0\.3\d*\) m than a"):
+        simulation.run()
