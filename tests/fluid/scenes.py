@@ -142,6 +142,14 @@ def pairs(fluids: Fluids) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return gap, r, weights
 
 
+def slopes(fluids: Fluids, r: np.ndarray, weights: np.ndarray) -> np.ndarray:
+    """The pair weights of the gradient with its factor, c, of distances and weights that `pairs` gave."""
+    ops = fluids.operators
+    if SCHEMES[fluids._scheme] == "koshizuka_oka":
+        return ops.original_gradient * weights / r**2
+    return np.where(weights > 0.0, ops.gradient * (1.0 - r / ops.radius) ** 3 / ops.radius**2, 0.0)
+
+
 def tolerance(precision: str, double: float = 1e-11, single: float = 2e-4) -> float:
     """What rounding may do in a precision."""
     return double if precision == "float64" else single

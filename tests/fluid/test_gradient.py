@@ -12,6 +12,7 @@ from tests.fluid.scenes import (
     fluids_of,
     pairs,
     periodic_box,
+    slopes,
     small,
     stir,
     tank,
@@ -40,9 +41,13 @@ def pushed(fluids: Fluids, p: np.ndarray) -> np.ndarray:
 
 def expected_push(fluids: Fluids, p: np.ndarray, gravity: np.ndarray, a: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Change of the fluid's velocities, and the impulses on the walls, as the module's text has them."""
-    w, ops, scheme = wall_count(fluids), fluids.operators, SCHEMES[fluids._scheme]
+    w, scheme = wall_count(fluids), SCHEMES[fluids._scheme]
     gap, r, weights = pairs(fluids)
-    gap, c = gap[w:], ops.gradient * (weights / r**2)[w:]
+    gap, c = gap[w:], slopes(fluids, r, weights)[w:]
+    scale = fluids._scale.numpy().astype(float)
+    scales = np.broadcast_to(np.concatenate((np.zeros(w), scale)), c.shape).copy()
+    scales[:, :w] = scale[:, None]
+    even = 0.5 * (scales + scale[:, None])
     p_j = np.broadcast_to(np.concatenate((np.zeros(w), p)), weights[w:].shape).copy()
     p_j[:, :w] = p[:, None] + RHO * np.einsum("nmd,md->nm", gap[:, :w], gravity - a[:w])
     if fluids._clip:
@@ -55,8 +60,8 @@ def expected_push(fluids: Fluids, p: np.ndarray, gravity: np.ndarray, a: np.ndar
         "corrected": difference,
         "koshizuka_oka": p_j - least[:, None],
     }
-    forces = -(c * pair_of[scheme])[..., None] * gap
-    walls = c[:, :w] * pair_of["conservative"][:, :w]
+    forces = -(c * (even if scheme == "conservative" else 1.0) * pair_of[scheme])[..., None] * gap
+    walls = (c * even)[:, :w] * pair_of["conservative"][:, :w]
     impulse = DT * L0 ** gap.shape[2] * (walls[..., None] * gap[:, :w]).sum(axis=0)
     if scheme == "corrected":
         moments = np.einsum("nm,nmd,nme->nde", c, gap, gap)
@@ -78,6 +83,7 @@ def test_forces_are_those_of_numpy(dimension: int, precision: str, scheme: str, 
     a[:w] = rng.uniform(-5.0, 5.0, a[:w].shape)
     fluids.state.a.assign(a)
     p = PRESSURE * rng.uniform(0.0 if fluids._clip else -1.0, 1.0, len(a) - w)
+    fluids._scale.assign(rng.uniform(0.94, 1.06, len(p)))
     du, impulse = expected_push(fluids, p, np.asarray(scene.gravity), a)
     near = tolerance(precision, 1e-11, 1e-4)
     np.testing.assert_allclose(pushed(fluids, p), du, atol=near * np.abs(du).max())
@@ -143,7 +149,7 @@ def test_two_particles_are_pushed_apart_along_their_line() -> None:
     p[0], p[1] = 300.0, 500.0
     du = pushed(fluids, p)[:2]
     r = 1.5 * L0
-    size = DT / RHO * ops.gradient * (ops.radius / r - 1.0) / r * 800.0
+    size = DT / RHO * ops.gradient * (1.0 - r / ops.radius) ** 3 * r / ops.radius**2 * 800.0
     np.testing.assert_allclose(du[0], -size * np.array([0.8, 0.6]), rtol=1e-9)
     np.testing.assert_allclose(du[1], size * np.array([0.8, 0.6]), rtol=1e-9)
 

@@ -72,6 +72,8 @@ class Fluids(FluidReadings):
             radius=self.operators.radius, spacing=fluid.spacing, neighbours=self.operators.neighbours,
             kit=kit, device=device,
         )  # fmt: skip
+        original = self._scheme == KOSHIZUKA_OKA
+        self._slope = self.operators.original_gradient if original else self.operators.gradient
         n0 = self.operators.number_density
         self.state: FluidState = initial_state(particles, self.lists, n0, kit=kit, device=device)
         self.step_limit = step_limit(scene, particles)
@@ -108,6 +110,7 @@ class Fluids(FluidReadings):
         )
         self._du, self._shift = zeros(m, kit.vec), zeros(m, kit.vec)
         self._acceleration, self._mirrored = zeros(n, kit.vec), zeros(max(n - m, 1), kit.vec)
+        self._scale = wp.ones(m, dtype=kit.real, device=device)
         self._floors = zeros(-(-m // CHUNK), wp.float64)
         self._speeds = zeros(-(-n // CHUNK), kit.real)
         self._dt, self._target, self._time_after = (zeros(1, wp.float64) for _ in range(3))
@@ -203,12 +206,15 @@ class Fluids(FluidReadings):
         assert matrix.singular is not None
         matrix.singular.fill_(1)
         numbers = [ops.radius, self._spacing, ops.number_density, float(ops.neighbours), ops.divergence, ops.laplacian]
+        numbers.append(self._slope)
         inputs = [
             self._walls, self._scheme, self.lists.period, *numbers, self._density, self._gravity, self._relaxation,
             *self._listed(), self._dt, state.x, state.u, state.a, state.carried,
         ]  # fmt: skip
         rows = [matrix.first, matrix.count, matrix.index, matrix.value, matrix.diagonal, matrix.active]
-        self._launch(pressure.assemble, self._m, inputs, [state.p, state.n, *rows, self._rhs, matrix.singular])
+        self._launch(
+            pressure.assemble, self._m, inputs, [state.p, state.n, self._scale, *rows, self._rhs, matrix.singular]
+        )
         self._solver.solve(matrix, self._rhs, state.p)
         self._launch(pressure.least, len(self._floors), [CHUNK, state.p], [self._floors])
         self._launch(pressure.lift, self._m, [self._clip, matrix.singular, self._floors], [state.p])
@@ -223,11 +229,11 @@ class Fluids(FluidReadings):
         """Velocities and positions by the pressure, then collisions and shifts."""
         state, ops, lists, mass = self.state, self.operators, self.lists, self._density * self._volume
         _, gradient, motion = self._kernels
-        head = [self._scheme, self._clip, lists.period, ops.radius, ops.gradient, self._density]
+        head = [self._scheme, self._clip, lists.period, ops.radius, self._slope, self._density]
         inputs = [self._walls, *head, self._gravity, self._relaxation, *self._listed(), self._dt, state.x, state.a]
-        self._launch(gradient.push, self._m, [*inputs, state.p], [state.carried, self._du])
+        self._launch(gradient.push, self._m, [*inputs, state.p, self._scale], [state.carried, self._du])
         inputs = [self._walls, *head, self._volume, self._gravity, *self._listed(), self._dt, state.x, state.u]
-        inputs += [state.a, state.p]
+        inputs += [state.a, state.p, self._scale]
         self._launch(gradient.push_walls, self._walls, inputs, [state.impulse, state.work])
         self._launch(motion.apply, self._m, [self._walls, self._dt, self._du], [state.x, state.u])
         inputs = [self._walls, lists.period, ops.radius, self._spacing, ops.number_density, self._shifts]

@@ -1,14 +1,16 @@
 """Pressure forces: of particles on each other, and of the fluid on the walls.
 
-Force per volume on particle i, with c = gradient * w/r^2 of each pair:
+Force per volume on particle i, with c = gradient * g/r_e^2 of each pair (`warp_mps.fluid.operators`):
 
-    conservative:   -sum_j c (p_i + p_j) x_ij        equal and opposite; it also keeps particles evenly spaced
-    corrected:      -C_i sum_j c (p_j - p_i) x_ij    exact for linear fields, C_i the inverse of sum_j c x_ij x_ij
-    koshizuka_oka:  -sum_j c (p_j - p_min) x_ij      p_min the least pressure about i (Koshizuka & Oka 1996)
+    conservative:   -sum_j c (s_i + s_j)/2 (p_i + p_j) x_ij   equal and opposite; it keeps particles evenly spaced
+    corrected:      -C_i sum_j c (p_j - p_i) x_ij             exact for linear fields, C_i^-1 = sum_j c x_ij x_ij
+    koshizuka_oka:  -sum_j c (p_j - p_min) x_ij               p_min the least pressure about i (Koshizuka & Oka 1996)
 
-The pressure of a wall's particle is that of the fluid particle that looks at it, plus rho (g - a) . x_ij, and never
-below 0. Where both pressures of a pair add up to a pull, which happens only if negative pressures are allowed, the
-conservative force takes p_j - p_i (Sun, Colagrossi, Marrone, Antuono & Zhang 2018), for a pull clusters particles.
+s_i = d / sum_j c r^2 makes up for particles that do not lie as on a lattice, 1 there; it is bounded, for at the surface
+it would count what is not there. The pressure of a wall's particle is that of the fluid particle that looks at it, plus
+rho (g - a) . x_ij, and never below 0. Where both pressures of a pair add up to a pull, which happens only if negative
+pressures are allowed, the conservative force takes p_j - p_i (Sun, Colagrossi, Marrone, Antuono & Zhang 2018), for a
+pull clusters particles.
 
 References:
     Koshizuka, S. and Oka, Y., Nuclear Science and Engineering 123 (1996) 421.
@@ -35,7 +37,7 @@ def gradient_kernels(kit: Kit) -> SimpleNamespace:
     """Kernels `push`, `push_walls` and `wall_pressure`."""
     real, vec, mat, d = kit.real, kit.vec, kit.mat, kit.dimension
     vec64 = wp.types.vector(length=d, dtype=wp.float64)
-    apart, weight = list_kernels(kit).apart, pressure_kernels(kit).weight
+    apart, weight, slope = list_kernels(kit).apart, pressure_kernels(kit).weight, pressure_kernels(kit).slope
 
     @kit.func(METHOD)
     def beyond(p_i: real, step: real, clip: wp.int32) -> real:
@@ -75,6 +77,7 @@ def gradient_kernels(kit: Kit) -> SimpleNamespace:
         x: wp.array(dtype=vec),
         a: wp.array(dtype=vec),
         p: wp.array(dtype=wp.float64),
+        scale: wp.array(dtype=real),
         # State in and out:
         carried: wp.array(dtype=real),
         # Out:
@@ -85,6 +88,7 @@ def gradient_kernels(kit: Kit) -> SimpleNamespace:
         i = k + walls
         x_i = x[i]
         p_i = real(p[k])
+        s_i = scale[k]
         p_min = p_i
         if scheme > wp.static(CORRECTED):
             for m in range(count[i]):
@@ -98,10 +102,14 @@ def gradient_kernels(kit: Kit) -> SimpleNamespace:
             x_ij = apart(x_i, x[j], period)
             r = wp.max(wp.length(x_ij), real(CLOSEST) * radius)
             if r < radius:
-                c = gradient * weight(r, radius) / (r * r)
+                c = gradient * slope(scheme, r, radius)
                 p_j = real(p[wp.max(j - walls, 0)])
+                s_j = scale[wp.max(j - walls, 0)]
                 if j < walls:
                     p_j = beyond(p_i, density * wp.dot(gravity - a[j], x_ij), clip)
+                    s_j = s_i
+                if scheme == wp.static(CONSERVATIVE):
+                    c *= real(0.5) * (s_i + s_j)
                 total += (c * pair(scheme, p_i, p_j, p_min)) * x_ij
                 if scheme == wp.static(CORRECTED):
                     moments += c * wp.outer(x_ij, x_ij)
@@ -137,6 +145,7 @@ def gradient_kernels(kit: Kit) -> SimpleNamespace:
         u: wp.array(dtype=vec),
         a: wp.array(dtype=vec),
         p: wp.array(dtype=wp.float64),
+        scale: wp.array(dtype=real),
         # State in and out:
         impulse: wp.array(dtype=vec64),
         work: wp.array(dtype=wp.float64),
@@ -154,10 +163,10 @@ def gradient_kernels(kit: Kit) -> SimpleNamespace:
             x_ij = apart(x[i], x_j, period)
             r = wp.max(wp.length(x_ij), real(CLOSEST) * radius)
             if r < radius:
-                c = gradient * weight(r, radius) / (r * r)
+                c = gradient * slope(scheme, r, radius)
                 p_i = real(p[i - walls])
                 p_j = beyond(p_i, density * wp.dot(gravity - a[j], x_ij), clip)
-                total += (c * pair(wp.static(CONSERVATIVE), p_i, p_j, p_i)) * x_ij
+                total += (scale[i - walls] * c * pair(wp.static(CONSERVATIVE), p_i, p_j, p_i)) * x_ij
         gained = (dt[0] * wp.float64(volume)) * vec64(total)
         impulse[j] = impulse[j] + gained
         work[j] = work[j] - wp.dot(gained, vec64(u[j]))

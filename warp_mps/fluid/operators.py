@@ -5,11 +5,15 @@ w = r_e/r - 1 and x_ij = x_j - x_i:
 
     div u = divergence * sum_j x_ij . u_ij / r^3     (the rate of the number density; Khayyer & Gotoh 2009)
     lap p = laplacian * sum_j w p_ij                 (Koshizuka & Oka 1996)
-    grad p = gradient * sum_j w p_ij x_ij / r^2      (Koshizuka & Oka 1996)
+    grad p = gradient * sum_j g p_ij x_ij / r_e^2    with g = (1 - r/r_e)^3 (Wendland 1995)
+
+and the original gradient with g = w (r_e/r)^2. Its weight grows so fast towards small distances that forces which are
+equal and opposite, see `warp_mps.fluid.gradient`, make deep water unstable where the lattice does not fit its tank.
 
 References:
     Koshizuka, S. and Oka, Y., Nuclear Science and Engineering 123 (1996) 421.
     Khayyer, A. and Gotoh, H., Coastal Engineering 56 (2009) 419.
+    Wendland, H., Advances in Computational Mathematics 4 (1995) 389.
 """
 
 from __future__ import annotations
@@ -34,6 +38,7 @@ class Operators:
         divergence: Factor of the divergence [m].
         laplacian: Factor of the Laplacian [1/m^2].
         gradient: Factor of the gradient [-].
+        original_gradient: Factor of the original gradient [-].
     """
 
     radius: float
@@ -42,6 +47,7 @@ class Operators:
     divergence: float
     laplacian: float
     gradient: float
+    original_gradient: float
 
 
 def operators(dimension: int, spacing: float, effective_radius: float | None = None) -> Operators:
@@ -62,5 +68,6 @@ def operators(dimension: int, spacing: float, effective_radius: float | None = N
         neighbours=len(r),
         divergence=float(dimension / np.sum(1.0 / r)) * spacing,
         laplacian=float(2.0 * dimension / np.sum(w * r**2)) / spacing**2,
-        gradient=float(dimension / w.sum()),
+        gradient=float(dimension / np.sum((1.0 - r / reach) ** 3 * (r / reach) ** 2)),
+        original_gradient=float(dimension / w.sum()),
     )

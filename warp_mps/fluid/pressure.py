@@ -11,6 +11,11 @@ the last term restoring the density slowly; the original method (Koshizuka & Oka
 no unknowns: the pressure beyond a wall follows from the wall's acceleration a, p_j - p_i = rho (g - a) . x_ij, which
 goes to the right-hand side; u* of a wall is the velocity that this gradient turns into the wall's own.
 
+Conservative forces push a particle by 2 p_i sum_j c x_ij beyond what a gradient would, and the equation does not know.
+In deep water that feeds back on the pressure of the next step and may grow. Half of the true operator never exceeds
+-lap + k |sum_j c x_ij|^2 with k = 4, so that this term, on the change of p since the last step, makes the feedback
+decay, and is gone where p is steady.
+
 A particle is of the free surface if its number density and its number of neighbours are both low. Its pressure is
 given: that of half a particle spacing of water, as far as the particle's weight is carried by pressure.
 
@@ -34,6 +39,10 @@ SURFACE_DENSITY, SURFACE_NEIGHBOURS = 0.97, 0.85
 CLOSEST = 0.05
 # errors of the number density beyond this are not of the lattice, but of splashes that meet
 LARGEST_ERROR = 0.1
+# factor k of the term that damps changes of the pressure of unevenly surrounded particles
+DAMPING = 4.0
+# how far a force is scaled for uneven particles
+LARGEST_SCALE = 0.06
 
 
 @functools.cache
@@ -48,7 +57,15 @@ def pressure_kernels(kit: Kit) -> SimpleNamespace:
         return wp.max(radius / r - real(1.0), real(0.0))
 
     @kit.func(METHOD)
-    def source(scheme: wp.int32, surface: wp.int32, e: real, div: real, dt: real, tau: real) -> real:
+    def slope(scheme: wp.int32, r: real, radius: real) -> real:
+        """The pair weight g/r_e^2 of the gradient; the original one for the original scheme."""
+        if scheme > wp.static(CORRECTED):
+            return weight(r, radius) / (r * r)
+        s = real(1.0) - r / radius
+        return s * s * s / (radius * radius)
+
+    @kit.func(METHOD)
+    def source(scheme: wp.int32, e: real, div: real, dt: real, tau: real) -> real:
         """Source of -lap p, per density."""
         if scheme == wp.static(KOSHIZUKA_OKA):
             return e / (dt * dt)
@@ -67,6 +84,7 @@ def pressure_kernels(kit: Kit) -> SimpleNamespace:
         full: real,
         divergence: real,
         laplacian: real,
+        gradient: real,
         density: real,
         gravity: vec,
         tau: real,
@@ -82,6 +100,7 @@ def pressure_kernels(kit: Kit) -> SimpleNamespace:
         p: wp.array(dtype=wp.float64),
         # Out:
         n_out: wp.array(dtype=real),
+        scale_out: wp.array(dtype=real),
         first_out: wp.array(dtype=wp.int32),
         count_out: wp.array(dtype=wp.int32),
         index_out: wp.array(dtype=wp.int32),
@@ -104,6 +123,8 @@ def pressure_kernels(kit: Kit) -> SimpleNamespace:
         div = real(0.0)
         diagonal = real(0.0)
         wall = real(0.0)
+        moment = real(0.0)
+        uneven = vec()
         for m in range(count[i]):
             j = listed[i, m]
             x_ij = apart(x_i, x[j], period)
@@ -122,6 +143,9 @@ def pressure_kernels(kit: Kit) -> SimpleNamespace:
                     diagonal += c
                 n += w
                 near += 1
+                g = slope(scheme, r, radius)
+                moment += g * r * r
+                uneven += g * x_ij
                 div += wp.dot(x_ij, u_j - u_i) / (r * r * r)
         surface = wp.int32(0)
         if n < real(SURFACE_DENSITY) * n0 and real(near) < real(SURFACE_NEIGHBOURS) * full:
@@ -131,11 +155,17 @@ def pressure_kernels(kit: Kit) -> SimpleNamespace:
                 singular_out[0] = 0
             p[k] = wp.float64(real(0.5) * spacing * density * wp.length(gravity) * carried[k])
         n_out[k] = n
+        even = real(wp.static(kit.dimension)) / wp.max(gradient * moment, real(1.0e-6))
+        scale_out[k] = wp.clamp(even, real(1.0 - LARGEST_SCALE), real(1.0 + LARGEST_SCALE))
         first_out[k] = first
         count_out[k] = entries
-        diagonal_out[k] = diagonal
+        damping = real(0.0)
+        if scheme == wp.static(CONSERVATIVE):
+            damping = real(DAMPING) * gradient * gradient * wp.dot(uneven, uneven)
+        diagonal_out[k] = diagonal + damping
         active_out[k] = 1 - surface
-        rhs_out[k] = wp.float64(density * source(scheme, surface, (n - n0) / n0, divergence * div, h, tau) + wall)
+        given = density * source(scheme, (n - n0) / n0, divergence * div, h, tau) + wall
+        rhs_out[k] = wp.float64(given) + wp.float64(damping) * p[k]
 
     @kit.kernel(METHOD)
     def least(chunk: wp.int32, p: wp.array(dtype=wp.float64), least_out: wp.array(dtype=wp.float64)):
@@ -164,4 +194,4 @@ def pressure_kernels(kit: Kit) -> SimpleNamespace:
         elif clip == 1:
             p_out[k] = wp.max(p_out[k], wp.float64(0.0))
 
-    return SimpleNamespace(weight=weight, assemble=assemble, least=least, lift=lift)
+    return SimpleNamespace(weight=weight, slope=slope, assemble=assemble, least=least, lift=lift)
