@@ -40,7 +40,7 @@ CLOSEST = 0.05
 # errors of the number density beyond this are not of the lattice, but of splashes that meet
 LARGEST_ERROR = 0.1
 # factor k of the term that damps changes of the pressure of unevenly surrounded particles
-DAMPING = 4.0
+DAMPING = 16.0
 # how far a force is scaled for uneven particles
 LARGEST_SCALE = 0.06
 
