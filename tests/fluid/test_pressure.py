@@ -72,7 +72,8 @@ def test_rows_are_those_of_numpy(dimension: int, precision: str, scheme: str) ->
     damping = (scheme == "conservative") * DAMPING * (uneven**2).sum(axis=1)
     np.testing.assert_allclose(diagonal, ops.laplacian * weights[:, w:].sum(axis=1) + damping, rtol=10 * near)
     scale = np.clip(dimension / (c * r**2).sum(axis=1), 1.0 - LARGEST_SCALE, 1.0 + LARGEST_SCALE)
-    np.testing.assert_allclose(fluids._scale.numpy(), scale, rtol=near)
+    # the bounds are numbers of single precision
+    np.testing.assert_allclose(fluids._scale.numpy(), scale, rtol=max(near, 1e-7))
 
     gravity = np.asarray(scene.gravity, float)
     free = u.astype(float)
@@ -151,7 +152,10 @@ def test_in_a_closed_domain_the_least_pressure_is_0(precision: str) -> None:
     p, rhs = fluids.state.p.numpy(), fluids._rhs.numpy()
     assert p.min() == 0.0
     assert fluids._matrix.active.numpy().all()
+    # up to a constant, which the damping of changes sees
     residual = rhs - rhs.mean() - (diagonal * p - entries @ p)
+    constant = diagonal - entries.sum(axis=1)
+    residual -= constant * (constant @ residual) / (constant @ constant)
     assert np.linalg.norm(residual) < 5e-6 * np.linalg.norm(rhs - rhs.mean())
 
 
