@@ -15,7 +15,7 @@ import warp.sparse
 from tests.core.systems import System, laplacian, on_device
 from warp_mps.core.device import open_device
 from warp_mps.core.kit import kit
-from warp_mps.core.solver import ChunkSums, ConjugateGradient, Matrix, declare_kernels
+from warp_mps.core.solver import ChunkSums, ConjugateGradient, Matrix, Operator, declare_kernels
 from warp_mps.core.solver_kernels import CHUNK, solver_kernels
 
 
@@ -67,6 +67,29 @@ def test_reported_residual_is_the_true_one(tolerance: float) -> None:
     assert statistics.last_residual == pytest.approx(system.residual(x), rel=1e-3)
     assert system.residual(x) <= tolerance * (1 + 1e-6)
     assert statistics.worst_residual == statistics.last_residual
+
+
+def test_an_operator_is_solved_as_its_matrix() -> None:
+    """To the same bits: its product is the only thing that is asked of it."""
+    system = laplacian((30, 30), scatter=0.2)
+    matrix, kernels = on_device(system), solver_kernels(kit(2))
+    unknown = vector(system.active.astype(float))
+
+    def multiply(control: wp.array, x: wp.array, p: wp.array, q: wp.array) -> None:
+        rows = [matrix.first, matrix.count, matrix.index, matrix.value, matrix.diagonal, unknown]
+        wp.launch(kernels.multiply, system.n, [*rows, control, x, p], [q], device="cpu")
+
+    operator = Operator(matrix.rows, matrix.diagonal, matrix.active, multiply)
+    # known values enter the rows of the unknowns
+    start = np.where(system.active != 0, 0.0, np.cos(np.arange(system.n)))
+    solutions = []
+    for kind in (matrix, operator):
+        x = vector(start)
+        make_solver(system.n, tolerance=1e-8).solve(kind, vector(system.b), x)
+        solutions.append(x.numpy())
+    assert (solutions[0] == solutions[1]).all()
+    assert system.residual(solutions[1]) < 1e-8 * 100
+    assert np.abs(solutions[1]).max() > 0.0
 
 
 def test_as_many_iterations_as_scipy() -> None:

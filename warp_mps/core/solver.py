@@ -7,6 +7,7 @@ they do not depend on the device's schedule.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, NamedTuple, Protocol
 
@@ -47,14 +48,33 @@ class Matrix(NamedTuple):
     singular: wp.array | None = None
 
 
+class Operator(NamedTuple):
+    """A symmetric matrix that is given by its product alone; what is no unknown counts as in a `Matrix`.
+
+    Attributes:
+        rows: Number of rows in use, int32, shape [1].
+        diagonal: The diagonal, or what the preconditioner is to take for it, shape [capacity].
+        active: 0 in rows that are no unknowns, int32, shape [capacity].
+        multiply: Launches q = A x if `control[FRESH]` is not 0, else q = A p, from (control, x, p, q); only the rows of
+            the unknowns count.
+        singular: As of a `Matrix`.
+    """
+
+    rows: wp.array
+    diagonal: wp.array
+    active: wp.array
+    multiply: Callable[[wp.array, wp.array, wp.array, wp.array], None]
+    singular: wp.array | None = None
+
+
 class Preconditioner(Protocol):
     """An approximate inverse, symmetric and positive, of the matrix."""
 
-    def prepare(self, matrix: Matrix, inverse: wp.array) -> None:
+    def prepare(self, matrix: Any, inverse: wp.array) -> None:
         """Launch what a new matrix needs.
 
         Args:
-            matrix: The matrix.
+            matrix: The matrix, of the kind that it is for: a `Matrix`, an `Operator` or either.
             inverse: Inverse of its diagonal, 0 in rows that are no unknowns, float64, shape [capacity].
         """
 
@@ -70,7 +90,7 @@ class Preconditioner(Protocol):
 class Jacobi:
     """The inverse of the diagonal, which the solver applies by itself."""
 
-    def prepare(self, matrix: Matrix, inverse: wp.array) -> None:
+    def prepare(self, matrix: Any, inverse: wp.array) -> None:
         """Nothing to launch."""
 
     def apply(self, r: wp.array, z: wp.array) -> None:
@@ -141,7 +161,7 @@ class ConjugateGradient:
         self._scalars = wp.zeros(names.SCALARS, dtype=wp.float64, device=device)
         self.statistics = wp.zeros(names.STATISTICS, dtype=wp.float64, device=device)
 
-    def solve(self, matrix: Matrix, b: wp.array, x: wp.array) -> None:
+    def solve(self, matrix: Matrix | Operator, b: wp.array, x: wp.array) -> None:
         """Launch a solve.
 
         Args:
@@ -174,12 +194,11 @@ class ConjugateGradient:
             last_residual=float(values[names.RESIDUAL_NOW]),
         )
 
-    def _iterate(self, matrix: Matrix, x: wp.array) -> None:
+    def _iterate(self, matrix: Matrix | Operator, x: wp.array) -> None:
         """One pass of the loop: an iteration or a fresh start, as `control` says."""
         kernels, n = self._kernels, self._n
         inverse, control, scalars = self._inverse, self._control, self._scalars
-        rows = [matrix.first, matrix.count, matrix.index, matrix.value, matrix.diagonal, inverse]
-        self._launch(kernels.multiply, n, [*rows, control, x, self._p], [self._q])
+        self._multiply(matrix, x)
         pq = self._sums.launch(self._p, self._q, self._q)
         self._launch(kernels.measure_step, 1, [pq], [control, scalars])
         inputs = [inverse, control, scalars, self._rhs, self._p, self._q]
@@ -191,7 +210,15 @@ class ConjugateGradient:
         self._launch(kernels.decide, 1, [*limits, products], outputs)
         self._launch(kernels.turn, n, [inverse, scalars, self._z], [self._p])
 
-    def _centre(self, matrix: Matrix, v: wp.array) -> None:
+    def _multiply(self, matrix: Matrix | Operator, x: wp.array) -> None:
+        """Q = A p, or A x in a fresh pass."""
+        if isinstance(matrix, Operator):
+            matrix.multiply(self._control, x, self._p, self._q)
+            return
+        rows = [matrix.first, matrix.count, matrix.index, matrix.value, matrix.diagonal, self._inverse]
+        self._launch(self._kernels.multiply, self._n, [*rows, self._control, x, self._p], [self._q])
+
+    def _centre(self, matrix: Matrix | Operator, v: wp.array) -> None:
         """Take the mean of the unknowns out of v, if the device says that the matrix is singular."""
         if matrix.singular is None:
             return

@@ -71,10 +71,14 @@ class HamiltonianModel:
         """Start and index of the pairs, their vectors and weights; A_i^-1 and volume of the particles."""
         return [self.start, self.index, self.bond, self.weight, self._inverse_shape, self._volume]
 
+    def constants(self) -> list[Any]:
+        """Law, lambda and mu of the particles, and whether the scene is in plane stress, as kernels take them."""
+        return [self._law, self._lame, self._mu, self._plane_stress]
+
     def launch_energy(self, state: ElasticState, energy_out: wp.array) -> None:
         """Elastic energy of every particle at the last evaluation of the stresses [J]."""
         pairs = [self.start, self.index, self.bond, self.weight]
-        inputs = [*pairs, self._volume, self.kappa, *self._constants(), state.u, self.gradient]
+        inputs = [*pairs, self._volume, self.kappa, *self.constants(), state.u, self.gradient]
         wp.launch(self._kernels.energy, len(self._volume), inputs, [energy_out], device=self._device)
 
     def pressures(self) -> np.ndarray:
@@ -88,12 +92,12 @@ class HamiltonianModel:
 
     def stress_fields(self, state: ElasticState) -> StressFields:
         """Stresses and strains at the last evaluation of the stresses."""
-        return stress_fields(self.gradient, self._constants(), kit=self._kit, device=self._device)
+        return stress_fields(self.gradient, self.constants(), kit=self._kit, device=self._device)
 
     def energy_densities(self, state: ElasticState) -> np.ndarray:
         """Strain energy per reference volume, without that of the zero-energy modes' control [J/m^3], shape [n]."""
         densities = wp.empty(len(self.gradient), dtype=self._kit.real, device=self._device)
-        inputs = [*self._constants(), self.gradient]
+        inputs = [*self.constants(), self.gradient]
         wp.launch(stress_kernels(self._kit).density, len(densities), inputs, [densities], device=self._device)
         return densities.numpy().astype(float)
 
@@ -125,15 +129,12 @@ class HamiltonianModel:
 
     def _launch_stress(self, state: ElasticState, first: int, count: int) -> None:
         pairs = [first, self.start, self.index, self.bond, self.weight]
-        inputs = [*pairs, self._inverse_shape, self._volume, self.kappa, *self._constants(), state.u]
+        inputs = [*pairs, self._inverse_shape, self._volume, self.kappa, *self.constants(), state.u]
         wp.launch(self._kernels.stress, count, inputs, [self.gradient, self.pull], device=self._device)
 
     def _launch_force(self, state: ElasticState, first: int, count: int) -> None:
         inputs = [first, self.start, self.index, self.bond, self.weight, self.kappa, state.u, self.pull]
         wp.launch(self._kernels.force, count, inputs, [state.force], device=self._device)
-
-    def _constants(self) -> list[Any]:
-        return [self._law, self._lame, self._mu, self._plane_stress]
 
 
 def _nearest_rotors(f: np.ndarray) -> np.ndarray:

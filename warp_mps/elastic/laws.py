@@ -30,7 +30,10 @@ TERMS = 12
 
 @functools.cache
 def law_funcs(kit: Kit) -> SimpleNamespace:
-    """Device functions `stress`, `energy_density`, `stress_across`, `strain_across`; they switch laws by number."""
+    """Device functions that switch laws by number.
+
+    `stress`, `stress_change`, `energy_density`, `stress_across` and `strain_across`.
+    """
     real, mat = kit.real, kit.mat
     one, half, two = real(1.0), real(0.5), real(2.0)
 
@@ -94,6 +97,31 @@ def law_funcs(kit: Kit) -> SimpleNamespace:
         return left * wp.transpose(wp.inverse(f))
 
     @kit.func(METHOD)
+    def stress_change(law: wp.int32, h: mat, change: mat, lame: real, mu: real, plane_stress: wp.int32) -> mat:
+        """Derivative of P along a change dH of H.
+
+        Of the linear law dP = dH S + F dS. Of the other, with G = F^-T and L the rate of lambda ln J with ln J,
+        dP = mu dH + (mu - lambda ln J) G dH^T G + L (G : dH) G.
+        """
+        f = h + wp.identity(n=wp.static(kit.dimension), dtype=real)
+        if law == 0:
+            e = half * (h + wp.transpose(h) + wp.transpose(h) * h)
+            s = two * mu * e + lame * wp.trace(e) * wp.identity(n=wp.static(kit.dimension), dtype=real)
+            de = half * (wp.transpose(f) * change + wp.transpose(change) * f)
+            ds = two * mu * de + lame * wp.trace(de) * wp.identity(n=wp.static(kit.dimension), dtype=real)
+            return change * s + f * ds
+        log_j = log_volume(h)
+        s_across = across(log_j, lame, mu, plane_stress)
+        rate = lame
+        if plane_stress == 1:
+            # the stretch across the plane gives way: d(ln J + s) / d ln J
+            across_rate = two * mu * (one + two * s_across + exp_excess(two * s_across))
+            rate = lame * across_rate / (across_rate + lame)
+        g = wp.transpose(wp.inverse(f))
+        turned = (mu - lame * (log_j + s_across)) * (g * wp.transpose(change) * g)
+        return mu * change + turned + rate * wp.ddot(g, change) * g
+
+    @kit.func(METHOD)
     def energy_density(law: wp.int32, h: mat, lame: real, mu: real, plane_stress: wp.int32) -> real:
         """Energy per reference volume of H."""
         e = half * (h + wp.transpose(h) + wp.transpose(h) * h)
@@ -128,5 +156,9 @@ def law_funcs(kit: Kit) -> SimpleNamespace:
         return s + half * exp_excess(two * s)
 
     return SimpleNamespace(
-        stress=stress, energy_density=energy_density, stress_across=stress_across, strain_across=strain_across
+        stress=stress,
+        stress_change=stress_change,
+        energy_density=energy_density,
+        stress_across=stress_across,
+        strain_across=strain_across,
     )

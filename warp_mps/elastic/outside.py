@@ -45,6 +45,8 @@ class Outside:
         self._kit, self._device, self._dt = kit, device, dt
         self._kernels = load_kernels(kit)
         self.steps = wp.zeros(1, dtype=wp.int32, device=device)
+        # a time is a number of steps: one of that length
+        self._once = wp.ones(1, dtype=wp.int32, device=device)
         self.held = np.zeros((particles.count, particles.dimension), bool)
         self.held_rotation = np.zeros(particles.count, bool)
         self._driven: list[_Action] = []
@@ -58,6 +60,11 @@ class Outside:
         """Whether anything here depends on time or does work."""
         return bool(self._driven or self._pushed)
 
+    @property
+    def driven(self) -> bool:
+        """Whether any support moves."""
+        return bool(self._driven)
+
     def drive(self, state: ElasticState, mass: wp.array) -> None:
         """Place the particles of the moving supports."""
         for action in self._driven:
@@ -66,10 +73,19 @@ class Outside:
             outputs = [state.u, state.v, state.driven, action.last, action.work]
             self._launch(self._kernels.drive, action, inputs, outputs)
 
-    def push(self, force: wp.array, mass: wp.array) -> None:
-        """Add the present forces of the loads to the forces on the particles."""
+    def place(self, u: wp.array, v: wp.array, acceleration: wp.array, mass: wp.array, time: float) -> None:
+        """Write places, velocities and accelerations of the moving supports at a time [s]; no work is counted."""
+        for action in self._driven:
+            axes, motion = action.numbers[0], action.numbers[1:]
+            inputs = [action.particles, axes, time, *motion, mass, self._once, acceleration]
+            spare = [wp.empty_like(action.last), wp.empty_like(action.work)]
+            self._launch(self._kernels.drive, action, inputs, [u, v, acceleration, *spare])
+
+    def push(self, force: wp.array, mass: wp.array, time: float | None = None) -> None:
+        """Add the forces of the loads to the forces on the particles: those of now, or of a time [s]."""
+        dt, steps = (self._dt, self.steps) if time is None else (time, self._once)
         for action in self._pushed:
-            inputs = [action.particles, self._dt, *action.numbers, mass, self.steps]
+            inputs = [action.particles, dt, *action.numbers, mass, steps]
             self._launch(self._kernels.push, action, inputs, [force])
 
     def account(self, state: ElasticState, mass: wp.array, dt: float) -> None:

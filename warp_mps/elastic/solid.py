@@ -183,9 +183,13 @@ class Solid:
             elastic=float(elastic),
             contact=float(contact),
             potential=float(potential),
-            work=self.outside.work() + (self.walls.work() if self.walls else 0.0),
+            work=self.work(),
             dissipated=float(np.sum(state.dissipated.numpy().astype(float))),
         )
+
+    def work(self) -> float:
+        """Work done from outside so far [J]."""
+        return self.outside.work() + (self.walls.work() if self.walls else 0.0)
 
     def displacements(self) -> np.ndarray:
         """Displacements u = x - X [m], shape [n, d]."""

@@ -1,0 +1,18 @@
+"""Every kernel of the implicit methods, declared together so that their module is compiled once."""
+
+from __future__ import annotations
+
+from warp_mps.core import solver
+from warp_mps.core.kit import Kit
+from warp_mps.elastic.implicit.newton_kernels import newton_kernels
+from warp_mps.elastic.implicit.step_kernels import step_kernels
+from warp_mps.elastic.implicit.tangent import METHOD, tangent_kernels
+
+KERNELS = (tangent_kernels, newton_kernels, step_kernels)
+
+
+def declare_implicit(kit: Kit) -> list[str]:
+    """Declare the kernels of a kit, and return the names of their modules."""
+    for declare in KERNELS:
+        declare(kit)
+    return [kit.module(METHOD), *solver.declare_kernels(kit)]

@@ -1,0 +1,236 @@
+"""Newton's method for the equilibrium of elastic particles, and for a step of time in its form.
+
+The linear systems are solved by conjugate gradients on the device, to a part of the residual (Dembo, Eisenstat and
+Steihaug, SIAM J. Numer. Anal. 19 (1982) 400); the host only decides how much of each change is made. It is as much as
+the potential falls by (Armijo's rule, Nocedal & Wright, Numerical Optimization, 2nd ed., section 3.1).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+import warp as wp
+
+from warp_mps.core.kit import Kit
+from warp_mps.core.solver import ChunkSums, ConjugateGradient
+from warp_mps.elastic.hamiltonian_model import HamiltonianModel
+from warp_mps.elastic.implicit import newton_kernels as names
+from warp_mps.elastic.implicit.newton_kernels import newton_kernels
+from warp_mps.elastic.implicit.operator import Tangent
+from warp_mps.elastic.implicit.replay import Replay
+from warp_mps.elastic.state import ElasticState
+
+# residual of the forces, relative to what they are measured by
+TOLERANCES = {"float64": 1e-8, "float32": 1e-4}
+# of the linear systems, relative to their right-hand sides
+LINEAR_TOLERANCE = 1e-4
+MOST_ITERATIONS = 60
+MOST_HALVINGS = 30
+# part of the potential's first-order fall that a step must bring, and its rounding
+ARMIJO = 1e-4
+ROUNDING = {"float64": 1e-13, "float32": 1e-5}
+
+
+@dataclass
+class NewtonStatistics:
+    """What was done so far.
+
+    Attributes:
+        solves: Equilibria found.
+        iterations: Newton iterations of all together.
+        most_iterations: Those of the longest.
+        worst_residual: Largest residual of the forces that was left, relative to what they are measured by.
+    """
+
+    solves: int = 0
+    iterations: int = 0
+    most_iterations: int = 0
+    worst_residual: float = 0.0
+
+
+class _Look(NamedTuple):
+    """What the host sees of a state: norm of the residual, of its measure, and the potential."""
+
+    residual: float
+    scale: float
+    potential: float
+
+
+class Newton:
+    """Finds the displacements of the free axes where the residual of `warp_mps.elastic.implicit.newton_kernels` is 0.
+
+    Attributes:
+        applied: Forces that do not depend on the displacements [N], vec [n].
+        target: Places u of the held axes [m], vec [n]; free axes do not count.
+        center: c [m], vec [n].
+        inertia: a [1/s^2], float64, shape [1].
+        solver: The linear solver.
+        tangent: The operator.
+        statistics: What was done so far.
+
+    Args:
+        model: The model.
+        state: Its state, of as many particles as the model has; `u` and `force` (the elastic one) are changed.
+        mass: Masses [kg], shape [n].
+        held: Whether each axis of each particle is held, shape [n, d].
+        kit: Number types.
+        device: Warp device.
+        graphs: Whether launches are replayed as graphs.
+    """
+
+    def __init__(
+        self,
+        model: HamiltonianModel,
+        state: ElasticState,
+        mass: wp.array,
+        held: np.ndarray,
+        *,
+        kit: Kit,
+        device: Any,
+        graphs: bool = True,
+    ) -> None:
+        self._kernels, self._device = newton_kernels(kit), device
+        self._run = Replay(device=device, graphs=graphs)
+        self._model, self._state, self._mass = model, state, mass
+        n, self._n = held.size, len(held)
+        self._tolerance, self._rounding = TOLERANCES[kit.precision], ROUNDING[kit.precision]
+        self.applied, self.target, self.center, self._kept = (
+            wp.zeros(self._n, dtype=kit.vec, device=device) for _ in range(4)
+        )
+        self.inertia = wp.zeros(1, dtype=wp.float64, device=device)
+        self.tangent = Tangent(model, mass, held, self.inertia, kit=kit, device=device)
+        self._free = wp.array(~held, dtype=kit.vec, device=device)
+        self._energy = wp.zeros(self._n, dtype=kit.real, device=device)
+        flat = [wp.zeros(n, dtype=wp.float64, device=device) for _ in range(6)]
+        self._residual, self._scale, self._right, self._pushed, self._jump, self._change = flat
+        self._potential = wp.zeros(self._n, dtype=wp.float64, device=device)
+        self._ones = wp.array(np.ones(self._n), dtype=wp.float64, device=device)
+        self._step = wp.zeros(1, dtype=wp.float64, device=device)
+        self._numbers = wp.zeros(names.NUMBERS, dtype=wp.float64, device=device)
+        self._sums = [ChunkSums(length, kit=kit, device=device) for length in (n, self._n)]
+        self.solver = ConjugateGradient(
+            n,
+            kit=kit,
+            device=device,
+            tolerance=LINEAR_TOLERANCE,
+            max_iterations=max(1000, 4 * n),
+            preconditioner=self.tangent,
+        )
+        self.statistics = NewtonStatistics()
+
+    def solve(self, *, jumps: bool, measure: bool = False) -> bool:
+        """Find the equilibrium from the present displacements on.
+
+        Args:
+            jumps: Whether held axes are not in their places yet.
+            measure: Whether the residual may also be measured by the one that there is at the start.
+
+        Returns:
+            Whether it was found; if not, the displacements are where the search ended.
+        """
+        now = self._look("evaluate", self._evaluate)
+        first = now.residual if measure else 0.0
+        iterations = 0
+        while math.isfinite(now.residual):
+            if not jumps and now.residual <= self._tolerance * max(now.scale, first):
+                return self._count(iterations, now.residual / (max(now.scale, first) or 1.0), found=True)
+            if iterations == MOST_ITERATIONS:
+                break
+            iterations += 1
+            self._run("direct", self._direct)
+            done = self._search(now, jumps=jumps)
+            if done is None:
+                break
+            now, whole = done
+            jumps = jumps and not whole
+        return self._count(iterations, now.residual / (max(now.scale, first) or 1.0), found=False)
+
+    def _count(self, iterations: int, residual: float, *, found: bool) -> bool:
+        done = self.statistics
+        done.solves += 1
+        done.iterations += iterations
+        done.most_iterations = max(done.most_iterations, iterations)
+        done.worst_residual = max(done.worst_residual, residual)
+        return found
+
+    def _search(self, start: _Look, *, jumps: bool) -> tuple[_Look, bool] | None:
+        """Make as much of the change as lowers the potential; whether it is all of it. None if no part of it does.
+
+        While held axes are moved, the potential says nothing, and all is made that leaves numbers.
+        """
+        slope = float(self._numbers.numpy()[names.SLOPE])
+        if not jumps and not slope > 0.0:
+            # the tangent is not positive here: down the residual
+            self._run("descend", self._descend)
+            slope = float(self._numbers.numpy()[names.SLOPE])
+        part = 1.0
+        for _ in range(MOST_HALVINGS):
+            self._step.fill_(part)
+            now = self._look("try", self._try)
+            slack = self._rounding * (abs(start.potential) + abs(now.potential) + slope)
+            falls = now.potential <= start.potential - ARMIJO * part * slope + slack
+            if falls or (jumps and math.isfinite(now.potential)):
+                return now, part == 1.0
+            # of the parabola through what is known, within bounds
+            rise = now.potential - start.potential + part * slope
+            best = 0.5 * slope * part / rise if math.isfinite(rise) and rise > 0.0 else 0.1
+            part *= min(max(best, 0.1), 0.5)
+        return None
+
+    def _look(self, name: str, launch: Callable[[], None]) -> _Look:
+        self._run(name, launch)
+        numbers = self._numbers.numpy()
+        return _Look(
+            residual=math.sqrt(numbers[names.RESIDUAL]),
+            scale=math.sqrt(numbers[names.SCALE]),
+            potential=0.5 * float(numbers[names.POTENTIAL]),
+        )
+
+    def _evaluate(self) -> None:
+        """Forces, residual and potential of the present displacements."""
+        state, vectors = self._state, self.tangent.vectors
+        for _, launch in self._model.passes:
+            launch(state, 0, self._n)
+        self._model.launch_energy(state, self._energy)
+        inputs = [self._free, self._mass, self.inertia, state.u, self.center, state.force, self.applied, self._energy]
+        outputs = [vectors(self._residual), vectors(self._scale), self._potential]
+        self._launch(self._kernels.residual, inputs, outputs)
+        self._note(names.RESIDUAL, self._sums[0].launch(self._residual, self._residual, self._change))
+        self._note(names.SCALE, self._sums[0].launch(self._scale, self._scale, self._scale))
+        self._note(names.POTENTIAL, self._sums[1].launch(self._ones, self._potential, self._ones))
+
+    def _direct(self) -> None:
+        """The change that the tangent at the present state asks for."""
+        kernels, vectors = self._kernels, self.tangent.vectors
+        wp.copy(self._kept, self._state.u)
+        self._launch(kernels.jump, [self._free, self._state.u, self.target], [vectors(self._jump)])
+        self.tangent.multiply(self._jump, self._pushed)
+        inputs = [self._free, vectors(self._residual), vectors(self._pushed)]
+        self._launch(kernels.right_side, inputs, [vectors(self._right), vectors(self._change)])
+        self.solver.solve(self.tangent.operator, self._right, self._change)
+        self._end_direction()
+
+    def _descend(self) -> None:
+        """Down the residual, as the preconditioner measures it."""
+        self.tangent.apply(self._residual, self._change)
+        self._end_direction()
+
+    def _end_direction(self) -> None:
+        vectors = self.tangent.vectors
+        self._launch(self._kernels.combine, [vectors(self._jump)], [vectors(self._change)])
+        self._note(names.RESIDUAL, self._sums[0].launch(self._residual, self._residual, self._change))
+
+    def _try(self) -> None:
+        inputs = [self._step, self._kept, self.tangent.vectors(self._change)]
+        self._launch(self._kernels.trial, inputs, [self._state.u])
+        self._evaluate()
+
+    def _note(self, place: int, sums: wp.array) -> None:
+        wp.launch(self._kernels.note, 1, [place, sums], [self._numbers], device=self._device)
+
+    def _launch(self, kernel: Any, inputs: list[Any], outputs: list[Any]) -> None:
+        wp.launch(kernel, self._n, inputs, outputs, device=self._device)

@@ -1,0 +1,123 @@
+"""Kernels of Newton's method: residual and potential, trial steps, and what the host reads of them.
+
+What is minimised over the displacements of the free axes is
+
+    Pi(u) = W(u) - f . u + a/2 (u - c) . m (u - c),   -dPi/du = r = f_el(u) + f - a m (u - c)
+
+with the elastic energy W, applied forces f that do not depend on u, and in a step of time an inertia a about a place c.
+"""
+
+import functools
+from types import SimpleNamespace
+
+import warp as wp
+
+from warp_mps.core.kit import Kit
+from warp_mps.elastic.implicit.tangent import METHOD
+
+# What the host reads: the square of the residual, r . du, the square of what the residual is measured by, and twice the
+# potential; sums come in pairs, so that there is room for one more.
+RESIDUAL, SLOPE, SCALE, POTENTIAL, NUMBERS = 0, 1, 2, 3, 5
+
+
+@functools.cache
+def newton_kernels(kit: Kit) -> SimpleNamespace:
+    """Kernels `residual`, `jump`, `right_side`, `combine`, `trial` and `note`."""
+    real, vec, d = kit.real, kit.vec, kit.dimension
+    real64 = wp.float64
+    vec64 = wp.types.vector(length=d, dtype=wp.float64)
+
+    @kit.kernel(METHOD)
+    def residual(
+        # Model:
+        free: wp.array(dtype=vec),
+        mass: wp.array(dtype=real),
+        inertia: wp.array(dtype=wp.float64),
+        # State in:
+        u: wp.array(dtype=vec),
+        center: wp.array(dtype=vec),
+        force: wp.array(dtype=vec),
+        applied: wp.array(dtype=vec),
+        energy: wp.array(dtype=real),
+        # Out:
+        residual_out: wp.array(dtype=vec64),
+        scale_out: wp.array(dtype=vec64),
+        potential_out: wp.array(dtype=wp.float64),
+    ):
+        """Residual on free axes; what it is measured by: the applied forces there, on held axes the elastic ones."""
+        i = wp.tid()
+        f = vec64(force[i])
+        load = vec64(applied[i])
+        away = vec64(u[i] - center[i])
+        pull = (inertia[0] * real64(mass[i])) * away
+        r = f + load - pull
+        scale = load
+        for axis in range(wp.static(d)):
+            if free[i][axis] == real(0.0):
+                r[axis] = real64(0.0)
+                scale[axis] = f[axis]
+        residual_out[i] = r
+        scale_out[i] = scale
+        potential_out[i] = real64(2.0) * (real64(energy[i]) - wp.dot(load, vec64(u[i]))) + wp.dot(pull, away)
+
+    @kit.kernel(METHOD)
+    def jump(
+        # Model:
+        free: wp.array(dtype=vec),
+        # State in:
+        u: wp.array(dtype=vec),
+        target: wp.array(dtype=vec),
+        # Out:
+        change_out: wp.array(dtype=vec64),
+    ):
+        """What brings held axes to their places, 0 on free ones."""
+        i = wp.tid()
+        away = vec64(target[i] - u[i])
+        for axis in range(wp.static(d)):
+            if free[i][axis] > real(0.0):
+                away[axis] = real64(0.0)
+        change_out[i] = away
+
+    @kit.kernel(METHOD)
+    def right_side(
+        # Model:
+        free: wp.array(dtype=vec),
+        # State in:
+        residual: wp.array(dtype=vec64),
+        pushed: wp.array(dtype=vec64),
+        # Out:
+        right_out: wp.array(dtype=vec64),
+        change_out: wp.array(dtype=vec64),
+    ):
+        """Right-hand side of the free axes' change, what held axes do taken into account, and the first guess 0."""
+        i = wp.tid()
+        right_out[i] = residual[i] - wp.cw_mul(vec64(free[i]), pushed[i])
+        change_out[i] = vec64()
+
+    @kit.kernel(METHOD)
+    def combine(jump: wp.array(dtype=vec64), change_out: wp.array(dtype=vec64)):
+        """The changes of held axes beside those of the free ones."""
+        i = wp.tid()
+        change_out[i] = change_out[i] + jump[i]
+
+    @kit.kernel(METHOD)
+    def trial(
+        step: wp.array(dtype=wp.float64),
+        # State in:
+        u_kept: wp.array(dtype=vec),
+        change: wp.array(dtype=vec64),
+        # State out:
+        u_out: wp.array(dtype=vec),
+    ):
+        """A part of the change is made."""
+        i = wp.tid()
+        u_out[i] = vec(vec64(u_kept[i]) + step[0] * change[i])
+
+    @kit.kernel(METHOD)
+    def note(place: wp.int32, sums: wp.array(dtype=wp.vec2d), numbers_out: wp.array(dtype=wp.float64)):
+        """Two sums, where the host will read them."""
+        numbers_out[place] = sums[0][0]
+        numbers_out[place + 1] = sums[0][1]
+
+    made = (residual, jump, right_side, combine, trial, note)
+    return SimpleNamespace(**{kernel.func.__name__: kernel for kernel in made})

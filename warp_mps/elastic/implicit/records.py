@@ -1,0 +1,19 @@
+"""What the solvers of an implicit run did, as run.json holds it."""
+
+from __future__ import annotations
+
+from warp_mps.elastic.implicit.newton import Newton
+
+
+def solver_record(newton: Newton) -> dict[str, float]:
+    """Newton iterations, iterations of the linear solver, and the largest residuals, relative to the forces."""
+    done, linear = newton.statistics, newton.solver.read_statistics()
+    return {
+        "equilibria": done.solves,
+        "newton_iterations": done.iterations,
+        "most_newton_iterations": done.most_iterations,
+        "worst_residual": done.worst_residual,
+        "linear_iterations": linear.iterations,
+        "most_linear_iterations": linear.most_iterations,
+        "unsolved": linear.stagnated + linear.exhausted,
+    }

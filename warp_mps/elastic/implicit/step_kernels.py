@@ -1,0 +1,183 @@
+"""Kernels about a solve: the increments of a static load, and the theta rule of time integration."""
+
+import functools
+from types import SimpleNamespace
+
+import warp as wp
+
+from warp_mps.core.kit import Kit
+from warp_mps.elastic.implicit.tangent import METHOD
+
+
+@functools.cache
+def step_kernels(kit: Kit) -> SimpleNamespace:
+    """Kernels `ramp`, `static_work`, `begin`, `extrapolate`, `account` and `complete`."""
+    real, vec, d = kit.real, kit.vec, kit.dimension
+    real64 = wp.float64
+
+    @kit.kernel(METHOD)
+    def ramp(
+        # Model:
+        factor: wp.array(dtype=wp.float64),
+        load: wp.array(dtype=vec),
+        place: wp.array(dtype=vec),
+        # Out:
+        applied_out: wp.array(dtype=vec),
+        target_out: wp.array(dtype=vec),
+    ):
+        """A part of the loads, and of the supports' way."""
+        i = wp.tid()
+        part = real(factor[0])
+        applied_out[i] = part * load[i]
+        target_out[i] = part * place[i]
+
+    @kit.kernel(METHOD)
+    def static_work(
+        # Model:
+        free: wp.array(dtype=vec),
+        # State in:
+        u_before: wp.array(dtype=vec),
+        force_before: wp.array(dtype=vec),
+        applied_before: wp.array(dtype=vec),
+        u: wp.array(dtype=vec),
+        force: wp.array(dtype=vec),
+        applied: wp.array(dtype=vec),
+        # State in and out:
+        work: wp.array(dtype=wp.float64),
+    ):
+        """Work of an increment, by the mean of the forces at its ends: of loads, and of supports against the body."""
+        i = wp.tid()
+        total = real64(0.0)
+        for axis in range(wp.static(d)):
+            mean = real64(applied_before[i][axis]) + real64(applied[i][axis])
+            if free[i][axis] == real(0.0):
+                mean = -real64(force_before[i][axis]) - real64(force[i][axis])
+            total += real64(0.5) * mean * real64(u[i][axis] - u_before[i][axis])
+        work[i] = work[i] + total
+
+    @kit.kernel(METHOD)
+    def begin(
+        # Model:
+        theta: wp.float64,
+        damping: wp.float64,
+        dt: wp.array(dtype=wp.float64),
+        gravity: vec,
+        mass: wp.array(dtype=real),
+        # State in:
+        u: wp.array(dtype=vec),
+        v: wp.array(dtype=vec),
+        end: wp.array(dtype=vec),
+        load_before: wp.array(dtype=vec),
+        load: wp.array(dtype=vec),
+        external: wp.array(dtype=vec),
+        # Out:
+        inertia_out: wp.array(dtype=wp.float64),
+        u_before_out: wp.array(dtype=vec),
+        center_out: wp.array(dtype=vec),
+        target_out: wp.array(dtype=vec),
+        pushed_out: wp.array(dtype=vec),
+        applied_out: wp.array(dtype=vec),
+    ):
+        """The equilibrium to find at t + theta dt: c, a, the supports' places and the forces from outside."""
+        i = wp.tid()
+        h = theta * dt[0]
+        if i == 0:
+            inertia_out[0] = (real64(1.0) + damping * h) / (h * h)
+        u_before_out[i] = u[i]
+        center_out[i] = u[i] + real(h / (real64(1.0) + damping * h)) * v[i]
+        target_out[i] = u[i] + real(theta) * (end[i] - u[i])
+        pushed = real(real64(1.0) - theta) * load_before[i] + real(theta) * load[i] + external[i]
+        pushed_out[i] = pushed
+        applied_out[i] = pushed + mass[i] * gravity
+
+    @kit.kernel(METHOD)
+    def extrapolate(
+        # Model:
+        theta: wp.float64,
+        damping: wp.float64,
+        dt: wp.array(dtype=wp.float64),
+        free: wp.array(dtype=vec),
+        mass: wp.array(dtype=real),
+        # State in:
+        u_before: wp.array(dtype=vec),
+        end: wp.array(dtype=vec),
+        end_speed: wp.array(dtype=vec),
+        force: wp.array(dtype=vec),
+        pushed: wp.array(dtype=vec),
+        applied: wp.array(dtype=vec),
+        # State in and out:
+        u: wp.array(dtype=vec),
+        v: wp.array(dtype=vec),
+        work: wp.array(dtype=wp.float64),
+        dissipated: wp.array(dtype=wp.float64),
+    ):
+        """From t + theta dt to t + dt; the work from outside, and what damping and the rule take out of the motion.
+
+        A support's work is the gain of kinetic energy of what it moves, less the work of the other forces there.
+        """
+        i = wp.tid()
+        u_i = u[i]
+        v_i = v[i]
+        m = real64(mass[i])
+        gained = real64(0.0)
+        lost = real64(0.0)
+        for axis in range(wp.static(d)):
+            old = real64(v_i[axis])
+            if free[i][axis] > real(0.0):
+                away = real64(u_i[axis] - u_before[i][axis])
+                speed = away / (theta * dt[0])
+                new = old + (speed - old) / theta
+                move = away / theta
+                u_i[axis] = u_before[i][axis] + real(move)
+                v_i[axis] = real(new)
+                gained += real64(pushed[i][axis]) * move
+                lost += (theta - real64(0.5)) * m * (new - old) * (new - old) + damping * dt[0] * m * speed * speed
+            else:
+                move = real64(end[i][axis] - u_before[i][axis])
+                new = real64(end_speed[i][axis])
+                others = real64(force[i][axis]) + real64(applied[i][axis])
+                u_i[axis] = end[i][axis]
+                v_i[axis] = real(new)
+                gained += real64(0.5) * m * (new * new - old * old)
+                gained += (real64(pushed[i][axis]) - others) * move
+        u[i] = u_i
+        v[i] = v_i
+        work[i] = work[i] + gained
+        dissipated[i] = dissipated[i] + lost
+
+    @kit.kernel(METHOD)
+    def account(
+        # Model:
+        theta: wp.float64,
+        # State in:
+        u_before: wp.array(dtype=vec),
+        force_before: wp.array(dtype=vec),
+        u: wp.array(dtype=vec),
+        force: wp.array(dtype=vec),
+        # State in and out:
+        dissipated: wp.array(dtype=wp.float64),
+    ):
+        """What the rule takes out of the deformation: (theta - 1/2) du K du, K that of the chord."""
+        i = wp.tid()
+        fall = wp.dot(u[i] - u_before[i], force_before[i] - force[i])
+        dissipated[i] = dissipated[i] + (theta - real64(0.5)) * real64(fall)
+
+    @kit.kernel(METHOD)
+    def complete(
+        # Model:
+        gravity: vec,
+        mass: wp.array(dtype=real),
+        # State in:
+        load: wp.array(dtype=vec),
+        external: wp.array(dtype=vec),
+        # State in and out:
+        elastic_out: wp.array(dtype=vec),
+        force: wp.array(dtype=vec),
+    ):
+        """The elastic forces are kept, and completed by those from outside."""
+        i = wp.tid()
+        elastic_out[i] = force[i]
+        force[i] = force[i] + load[i] + external[i] + mass[i] * gravity
+
+    made = (ramp, static_work, begin, extrapolate, account, complete)
+    return SimpleNamespace(**{kernel.func.__name__: kernel for kernel in made})
