@@ -22,7 +22,7 @@ from tests.fluid.scenes import (
     water,
 )
 from warp_mps.fluid.fluids import Fluids
-from warp_mps.fluid.motion import COLLISION, LARGEST_SHIFT, RESTITUTION
+from warp_mps.fluid.motion import COLLISION, LARGEST_SHIFT, RESTITUTION, SHIFT
 from warp_mps.scene import Flow, Liquid, Wall
 
 NU = 0.01
@@ -193,16 +193,17 @@ def test_shifts_even_out_the_particles_inside_and_leave_the_surface(dimension: i
     w = wall_count(fluids)
     gap, r, weights = pairs(fluids)
     before = fluids.state.x.numpy()[w:].copy()
-    fluids.state.n.assign(weights[w:].sum(axis=1))
+    dense = weights[w:].sum(axis=1) >= 0.97 * fluids.operators.number_density
+    fluids._matrix.active.assign(dense.astype(np.int32))
+    fluids._way.assign([0.1 * L0])
     finished(fluids)
     moved = fluids.state.x.numpy()[w:] - before
     slope = np.einsum("nm,nmd->nd", (weights / r)[w:], gap[w:]) / fluids.operators.number_density
-    shift = -0.1 * L0 * slope
+    shift = -SHIFT * 0.1 * L0 * slope
     length = np.linalg.norm(shift, axis=1)[:, None]
     shift *= np.minimum(1.0, LARGEST_SHIFT * L0 / length)
     still = ~moved.any(axis=1)
     np.testing.assert_allclose(moved[~still], shift[~still], atol=1e-12 * L0)
-    dense = weights[w:].sum(axis=1) >= 0.97 * fluids.operators.number_density
     beside = (weights[w:, w:] > 0.0) @ ~dense > 0
     np.testing.assert_array_equal(still, ~dense | beside)
     assert 0 < still.sum() < len(still)

@@ -113,7 +113,7 @@ class Fluids(FluidReadings):
         self._scale = wp.ones(m, dtype=kit.real, device=device)
         self._floors = zeros(-(-m // CHUNK), wp.float64)
         self._speeds = zeros(-(-n // CHUNK), kit.real)
-        self._dt, self._target, self._time_after = (zeros(1, wp.float64) for _ in range(3))
+        self._dt, self._way, self._target, self._time_after = (zeros(1, wp.float64) for _ in range(4))
         self._left = zeros(1, wp.int32)
         self._poses = Poses(scene, kit=kit, device=device) if self._walls else None
         self._runs = moving_runs(scene, self._particles)
@@ -172,7 +172,7 @@ class Fluids(FluidReadings):
         state, motion = self.state, self._kernels[2]
         self._launch(motion.fastest, len(self._speeds), [CHUNK, state.u], [self._speeds])
         inputs = [self._longest, self._courant * self._spacing, self._speeds, self._target, state.time]
-        self._launch(motion.plan, 1, inputs, [self._dt, self._left, self._time_after])
+        self._launch(motion.plan, 1, inputs, [self._dt, self._way, self._left, self._time_after])
 
     def _predict(self) -> None:
         state, motion, lists = self.state, self._kernels[2], self.lists
@@ -236,9 +236,11 @@ class Fluids(FluidReadings):
         inputs += [state.a, state.p, self._scale]
         self._launch(gradient.push_walls, self._walls, inputs, [state.impulse, state.work])
         self._launch(motion.apply, self._m, [self._walls, self._dt, self._du], [state.x, state.u])
-        inputs = [self._walls, lists.period, ops.radius, self._spacing, ops.number_density, self._shifts]
-        inputs += [*self._listed(), state.x, state.u, state.n]
-        self._launch(motion.collide, self._m, inputs, [self._du, self._shift])
+        inputs = [self._walls, lists.period, self._spacing, *self._listed(), state.x, state.u]
+        self._launch(motion.collide, self._m, inputs, [self._du])
+        if self._shifts:
+            inputs = [self._walls, lists.period, ops.radius, self._spacing, ops.number_density, *self._listed()]
+            self._launch(motion.move_apart, self._m, [*inputs, state.x, self._way, self._matrix.active], [self._shift])
         inputs = [lists.period, self._spacing, mass, *self._listed(), state.x, state.u]
         self._launch(motion.collide_walls, self._walls, inputs, [state.impulse, state.work])
         low, high = self._kit.vec(*self._low), self._kit.vec(*self._high)

@@ -21,14 +21,14 @@ import warp as wp
 
 from warp_mps.core.kit import Kit
 from warp_mps.fluid.lists import METHOD, list_kernels
-from warp_mps.fluid.pressure import SURFACE_DENSITY, pressure_kernels
+from warp_mps.fluid.pressure import pressure_kernels
 
 # distance below which particles collide [l0], and their coefficient of restitution
 COLLISION, RESTITUTION = 0.8, 0.2
 # closest distance that a shift sees [l0]
 CLOSEST = 0.05
-# shift per gradient of the concentration, and the largest shift of a step [l0]
-SHIFT, LARGEST_SHIFT = 0.1, 0.02
+# shift per gradient of the concentration and way of the fastest particle in a step, and the largest shift [l0]
+SHIFT, LARGEST_SHIFT = 2.5, 0.1
 
 
 @functools.cache
@@ -161,46 +161,63 @@ def motion_kernels(kit: Kit) -> SimpleNamespace:
         # Model:
         walls: wp.int32,
         period: vec,
-        radius: real,
         spacing: real,
-        n0: real,
-        shifts: wp.int32,
         listed: wp.array(dtype=wp.int32, ndim=2),
         count: wp.array(dtype=wp.int32),
         # State in:
         x: wp.array(dtype=vec),
         u: wp.array(dtype=vec),
-        n: wp.array(dtype=real),
         # Out:
         du_out: wp.array(dtype=vec),
-        shift_out: wp.array(dtype=vec),
     ):
-        """Collisions of a fluid particle, and its shift where particles are shifted."""
+        """Change of a fluid particle's velocity by collisions."""
         k = wp.tid()
         i = k + walls
         x_i = x[i]
         u_i = u[i]
-        reach = real(COLLISION) * spacing
         du = vec()
-        slope = vec()
-        inside = n[k] >= real(SURFACE_DENSITY) * n0
         for m in range(count[i]):
             j = listed[i, m]
-            x_ij = apart(x_i, x[j], period)
-            jump = bounce(x_ij, u[j] - u_i, reach)
+            jump = bounce(apart(x_i, x[j], period), u[j] - u_i, real(COLLISION) * spacing)
             if j >= walls:
                 jump = real(0.5) * jump
             du += jump
-            if shifts == 1:
-                r = wp.length(x_ij)
-                if r < radius:
-                    slope += (weight(r, radius) / (wp.max(r, real(CLOSEST) * spacing) * n0)) * x_ij
-                    if j >= walls:
-                        inside = inside and n[j - walls] >= real(SURFACE_DENSITY) * n0
         du_out[k] = du
+
+    @kit.kernel(METHOD)
+    def move_apart(
+        # Model:
+        walls: wp.int32,
+        period: vec,
+        radius: real,
+        spacing: real,
+        n0: real,
+        listed: wp.array(dtype=wp.int32, ndim=2),
+        count: wp.array(dtype=wp.int32),
+        # State in:
+        x: wp.array(dtype=vec),
+        way: wp.array(dtype=wp.float64),
+        active: wp.array(dtype=wp.int32),
+        # Out:
+        shift_out: wp.array(dtype=vec),
+    ):
+        """Shift of a fluid particle."""
+        k = wp.tid()
+        i = k + walls
+        x_i = x[i]
+        slope = vec()
+        inside = active[k] == 1
+        for m in range(count[i]):
+            j = listed[i, m]
+            x_ij = apart(x_i, x[j], period)
+            r = wp.length(x_ij)
+            if r < radius:
+                slope += (weight(r, radius) / (wp.max(r, real(CLOSEST) * spacing) * n0)) * x_ij
+                if j >= walls:
+                    inside = inside and active[j - walls] == 1
         shift = vec()
-        if shifts == 1 and inside:
-            shift = (real(-SHIFT) * spacing) * slope
+        if inside:
+            shift = (real(-SHIFT) * real(way[0])) * slope
             length = wp.length(shift)
             if length > real(LARGEST_SHIFT) * spacing:
                 shift = (real(LARGEST_SHIFT) * spacing / length) * shift
@@ -291,10 +308,11 @@ def motion_kernels(kit: Kit) -> SimpleNamespace:
         time: wp.array(dtype=wp.float64),
         # Out:
         dt_out: wp.array(dtype=wp.float64),
+        way_out: wp.array(dtype=wp.float64),
         left_out: wp.array(dtype=wp.int32),
         time_after_out: wp.array(dtype=wp.float64),
     ):
-        """The next step: below the limits, and one of equal ones up to the target time."""
+        """The next step, one of equal ones up to the target time, and the way of the fastest particle in it."""
         square = real(0.0)
         for c in range(fastest.shape[0]):
             square = wp.max(square, fastest[c])
@@ -302,6 +320,7 @@ def motion_kernels(kit: Kit) -> SimpleNamespace:
         rest = target[0] - time[0]
         steps = wp.max(wp.ceil(rest / longest - wp.float64(1.0e-9)), wp.float64(1.0))
         dt_out[0] = rest / steps
+        way_out[0] = rest / steps * wp.sqrt(wp.float64(square))
         left_out[0] = wp.int32(wp.min(steps, wp.float64(1.0e9)))
         if steps == wp.float64(1.0):
             time_after_out[0] = target[0]
@@ -321,6 +340,6 @@ def motion_kernels(kit: Kit) -> SimpleNamespace:
         steps_out[0] = steps_out[0] + 1
 
     return SimpleNamespace(
-        mirror=mirror, viscosity=viscosity, predict=predict, apply=apply, collide=collide, collide_walls=collide_walls,
-        finish=finish, fastest=fastest, plan=plan, tick=tick,
+        mirror=mirror, viscosity=viscosity, predict=predict, apply=apply, collide=collide, move_apart=move_apart,
+        collide_walls=collide_walls, finish=finish, fastest=fastest, plan=plan, tick=tick,
     )  # fmt: skip

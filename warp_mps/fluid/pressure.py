@@ -37,8 +37,8 @@ CONSERVATIVE, CORRECTED, KOSHIZUKA_OKA = 0, 1, 2
 SURFACE_DENSITY, SURFACE_NEIGHBOURS = 0.97, 0.85
 # closest distance that the divergence sees, in spacings: what is closer is two particles that collide
 CLOSEST = 0.05
-# errors of the number density beyond this are not of the lattice, but of splashes that meet
-LARGEST_ERROR = 0.1
+# errors of the number density are mended no faster than this one: strained lattices and splashes show larger ones
+LARGEST_ERROR = 0.02
 # factor k of the term that damps changes of the pressure of unevenly surrounded particles
 DAMPING = 16.0
 # how far a force is scaled for uneven particles
