@@ -121,6 +121,7 @@ def contact_kernels(kit: Kit) -> SimpleNamespace:
         contact_out: wp.array(dtype=vec),
         force_out: wp.array(dtype=vec),
     ):
+        """Sum of the pair forces on a particle, also added to the other forces on it."""
         for i in range(wp.tid() * together, wp.min((wp.tid() + 1) * together, start.shape[0] - 1)):
             n = faces[i]
             total = vec()

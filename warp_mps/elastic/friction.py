@@ -51,6 +51,7 @@ def friction_kernels(kit: Kit) -> SimpleNamespace:
     @kit.kernel(METHOD)
     def grip(
         # Model:
+        together: wp.int32,
         reference: wp.array(dtype=vec),
         spacing: wp.array(dtype=real),
         group: wp.array(dtype=wp.int32),
@@ -79,83 +80,84 @@ def friction_kernels(kit: Kit) -> SimpleNamespace:
 
         `gripped` is the group + 1 that a slip belongs to, 0 for none: it outlives the list of candidates.
         """
-        i = wp.tid()
-        stored = real(0.0)
-        k = start[i]
-        for s in range(faces[i]):
-            other = facing[i, s]
-            first = k
-            k = end[i, s]
-            place = wp.int32(-1)
-            for t in range(gripped.shape[1]):
-                if gripped[i, t] == other + 1:
-                    place = t
-            pull_out[i, s] = vec()
-            mean_out[i, s] = real(0.0)
-            limit = friction[group[i], other] * push[i, s]
-            if limit > real(0.0):
-                # the normal, and the pressing force
-                normal = vec()
-                for m in range(first, k):
-                    j = listed[m]
-                    support = pair_support(spacing[i], spacing[j])
-                    y = reference[i] - reference[j] + (u[i] - u[j])
-                    normal += (steepness(wp.length(y) / support) / (support * support)) * y
-                size = wp.length(normal)
-                limit = limit * size
-                normal = normal / wp.max(size, real(1.0e-30))
-                # sums over the tangential distances, in units of half the support
-                total = real(0.0)
-                work = real(0.0)
-                mean = vec()
-                moved = vec()
-                spread = mat()
-                unit = real(1.0)
-                for m in range(first, k):
-                    j = listed[m]
-                    unit = real(0.5) * pair_support(spacing[i], spacing[j])
-                    y = (reference[i] - reference[j] + (u[i] - u[j])) / unit
-                    w = weight(real(0.5) * wp.length(y))
-                    step = ((u[i] - u_before[i]) - (u[j] - u_before[j])) / unit
-                    tangential = y - wp.dot(y, normal) * normal
-                    # y . dy in the middle of the step: nothing in a rotation, however large
-                    gone = w * wp.dot(y - real(0.5) * step, step)
-                    total += w
-                    work += gone
-                    mean += w * tangential
-                    moved += gone * tangential
-                    spread += w * wp.outer(tangential, tangential)
-                mean = mean / total
-                moved = (moved - work * mean) / total
-                spread = spread / total - wp.outer(mean, mean)
-                short = wp.max(real(wp.static(SPREAD)) - least_variance(spread, normal), real(0.0))
-                inverse = wp.inverse(
-                    spread + wp.outer(normal, normal) + short * wp.identity(n=wp.static(kit.dimension), dtype=real)
-                )
-                x = unit * (inverse * moved)
-                if place >= 0:
-                    x += slip[i, place]
-                x -= wp.dot(x, normal) * normal
-                spring = hold[group[i], other] * wp.min(stiffness[i], softest[other])
-                far = spring * wp.length(x)
-                if far > limit:
-                    x = (limit / far) * x
-                a = (-spring / (total * unit)) * (inverse * x)
-                pull_out[i, s] = a / unit
-                mean_out[i, s] = wp.dot(a, mean)
-                stored += real(0.5) * spring * wp.dot(x, x)
+        for i in range(wp.tid() * together, wp.min((wp.tid() + 1) * together, start.shape[0] - 1)):
+            stored = real(0.0)
+            k = start[i]
+            for s in range(faces[i]):
+                other = facing[i, s]
+                first = k
+                k = end[i, s]
+                place = wp.int32(-1)
                 for t in range(gripped.shape[1]):
-                    if place < 0 and gripped[i, t] == 0:
+                    if gripped[i, t] == other + 1:
                         place = t
-                gripped[i, place] = other + 1
-                slip[i, place] = x
-            elif place >= 0:
-                gripped[i, place] = 0
-        stored_out[i] = stored
+                pull_out[i, s] = vec()
+                mean_out[i, s] = real(0.0)
+                limit = friction[group[i], other] * push[i, s]
+                if limit > real(0.0):
+                    # the normal, and the pressing force
+                    normal = vec()
+                    for m in range(first, k):
+                        j = listed[m]
+                        support = pair_support(spacing[i], spacing[j])
+                        y = reference[i] - reference[j] + (u[i] - u[j])
+                        normal += (steepness(wp.length(y) / support) / (support * support)) * y
+                    size = wp.length(normal)
+                    limit = limit * size
+                    normal = normal / wp.max(size, real(1.0e-30))
+                    # sums over the tangential distances, in units of half the support
+                    total = real(0.0)
+                    work = real(0.0)
+                    mean = vec()
+                    moved = vec()
+                    spread = mat()
+                    unit = real(1.0)
+                    for m in range(first, k):
+                        j = listed[m]
+                        unit = real(0.5) * pair_support(spacing[i], spacing[j])
+                        y = (reference[i] - reference[j] + (u[i] - u[j])) / unit
+                        w = weight(real(0.5) * wp.length(y))
+                        step = ((u[i] - u_before[i]) - (u[j] - u_before[j])) / unit
+                        tangential = y - wp.dot(y, normal) * normal
+                        # y . dy in the middle of the step: nothing in a rotation, however large
+                        gone = w * wp.dot(y - real(0.5) * step, step)
+                        total += w
+                        work += gone
+                        mean += w * tangential
+                        moved += gone * tangential
+                        spread += w * wp.outer(tangential, tangential)
+                    mean = mean / total
+                    moved = (moved - work * mean) / total
+                    spread = spread / total - wp.outer(mean, mean)
+                    short = wp.max(real(wp.static(SPREAD)) - least_variance(spread, normal), real(0.0))
+                    inverse = wp.inverse(
+                        spread + wp.outer(normal, normal) + short * wp.identity(n=wp.static(kit.dimension), dtype=real)
+                    )
+                    x = unit * (inverse * moved)
+                    if place >= 0:
+                        x += slip[i, place]
+                    x -= wp.dot(x, normal) * normal
+                    spring = hold[group[i], other] * wp.min(stiffness[i], softest[other])
+                    far = spring * wp.length(x)
+                    if far > limit:
+                        x = (limit / far) * x
+                    a = (-spring / (total * unit)) * (inverse * x)
+                    pull_out[i, s] = a / unit
+                    mean_out[i, s] = wp.dot(a, mean)
+                    stored += real(0.5) * spring * wp.dot(x, x)
+                    for t in range(gripped.shape[1]):
+                        if place < 0 and gripped[i, t] == 0:
+                            place = t
+                    gripped[i, place] = other + 1
+                    slip[i, place] = x
+                elif place >= 0:
+                    gripped[i, place] = 0
+            stored_out[i] = stored
 
     @kit.kernel(METHOD)
     def rub(
         # Model:
+        together: wp.int32,
         reference: wp.array(dtype=vec),
         spacing: wp.array(dtype=real),
         group: wp.array(dtype=wp.int32),
@@ -181,31 +183,32 @@ def friction_kernels(kit: Kit) -> SimpleNamespace:
 
         The work is the mean of the forces at the ends of a step's move times the move, as velocity Verlet does it.
         """
-        i = wp.tid()
-        total = vec()
-        k = start[i]
-        for s in range(faces[i]):
-            for m in range(k, end[i, s]):
-                j = listed[m]
-                if stored[i] > real(0.0) or stored[j] > real(0.0):
-                    y = reference[i] - reference[j] + (u[i] - u[j])
-                    factor = wp.dot(pull[i, s], y) - mean[i, s]
-                    for t in range(faces[j]):
-                        if facing[j, t] == group[i]:
-                            factor -= wp.dot(pull[j, t], y) + mean[j, t]
-                    total += (weight(wp.length(y) / pair_support(spacing[i], spacing[j])) * factor) * y
-            k = end[i, s]
-        work = wp.float64(wp.dot(rubbed[i] + total, u[i] - u_before[i]))
-        kept = wp.float64(stored[i]) - wp.float64(stored_before[i])
-        dissipated[i] = dissipated[i] - wp.float64(0.5) * work - kept
-        u_before[i] = u[i]
-        stored_before[i] = stored[i]
-        rubbed[i] = total
-        contact[i] = contact[i] + total
-        force[i] = force[i] + total
+        for i in range(wp.tid() * together, wp.min((wp.tid() + 1) * together, start.shape[0] - 1)):
+            total = vec()
+            k = start[i]
+            for s in range(faces[i]):
+                for m in range(k, end[i, s]):
+                    j = listed[m]
+                    if stored[i] > real(0.0) or stored[j] > real(0.0):
+                        y = reference[i] - reference[j] + (u[i] - u[j])
+                        factor = wp.dot(pull[i, s], y) - mean[i, s]
+                        for t in range(faces[j]):
+                            if facing[j, t] == group[i]:
+                                factor -= wp.dot(pull[j, t], y) + mean[j, t]
+                        total += (weight(wp.length(y) / pair_support(spacing[i], spacing[j])) * factor) * y
+                k = end[i, s]
+            work = wp.float64(wp.dot(rubbed[i] + total, u[i] - u_before[i]))
+            kept = wp.float64(stored[i]) - wp.float64(stored_before[i])
+            dissipated[i] = dissipated[i] - wp.float64(0.5) * work - kept
+            u_before[i] = u[i]
+            stored_before[i] = stored[i]
+            rubbed[i] = total
+            contact[i] = contact[i] + total
+            force[i] = force[i] + total
 
     @kit.kernel(METHOD)
     def add(stored: wp.array(dtype=real), energy: wp.array(dtype=real)):
+        """Add what the springs of sticking faces hold."""
         i = wp.tid()
         energy[i] = energy[i] + stored[i]
 

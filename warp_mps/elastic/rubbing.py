@@ -6,6 +6,7 @@ import numpy as np
 import warp as wp
 
 from warp_mps.core.kit import Kit
+from warp_mps.elastic.contact import TOGETHER
 from warp_mps.elastic.contact_search import FACES
 from warp_mps.elastic.friction import friction_kernels
 from warp_mps.elastic.state import ElasticState
@@ -24,6 +25,8 @@ class Rubbing:
 
     def __init__(self, count: int, hold: np.ndarray, friction: np.ndarray, *, kit: Kit, device: Any) -> None:
         self._kernels, self._device = friction_kernels(kit), device
+        self._together = TOGETHER["cpu" if wp.get_device(device).is_cpu else "cuda"]
+        self._threads = -(-count // self._together)
         self._hold = wp.array(hold, dtype=kit.real, device=device)
         self._friction = wp.array(friction, dtype=kit.real, device=device)
 
@@ -50,12 +53,12 @@ class Rubbing:
         push: wp.array,
     ) -> None:
         """Add the friction of a step to its contact forces, once a step: slips grow by the step's move."""
-        inputs = [*places, *stiffness, self._hold, self._friction, *candidates, state.u, self._u_before, push]
+        inputs = [self._together, *places, *stiffness, self._hold, self._friction, *candidates, state.u, self._u_before, push]
         outputs = [self._gripped, self._slip, self._pull, self._mean, self._stored]
-        wp.launch(self._kernels.grip, len(state.u), inputs, outputs, device=self._device)
-        inputs = [*places, *candidates, state.u, self._pull, self._mean, self._stored]
+        wp.launch(self._kernels.grip, self._threads, inputs, outputs, device=self._device)
+        inputs = [self._together, *places, *candidates, state.u, self._pull, self._mean, self._stored]
         outputs = [self._u_before, self._stored_before, self._rubbed, state.contact, state.force, state.dissipated]
-        wp.launch(self._kernels.rub, len(state.u), inputs, outputs, device=self._device)
+        wp.launch(self._kernels.rub, self._threads, inputs, outputs, device=self._device)
 
     def add_energy(self, energy: wp.array) -> None:
         """Add what sticking faces store [J]."""
