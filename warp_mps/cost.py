@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,6 +20,9 @@ from warp_mps.scene import Scene
 SECONDS_PER_PAIR = {"springs": {2: 12e-9, 3: 28e-9}, "hamiltonian": {2: 7e-9, 3: 9e-9}}
 # times as long with a retardation time
 VISCOUS = {2: 2.6, 3: 3.7}
+# seconds more a particle-step, walls included, where bodies can touch, and where they rub, far from each other (2-D, 3-D)
+SECONDS_OF_CONTACT = {2: 15e-9, 3: 25e-9}
+SECONDS_OF_FRICTION = {2: 13e-9, 3: 28e-9}
 # seconds that a step of fluids takes a particle, walls included, on one CPU core (2-D, 3-D)
 SECONDS_PER_FLUID_STEP = {2: 3e-6, 3: 4e-6}
 # bytes that a particle of a scene of fluids takes at most; tanks of 0.1 and 0.3 million particles were measured to need
@@ -74,6 +78,7 @@ def estimate(scene: Scene) -> Cost:
     per_pair = SECONDS_PER_PAIR[scene.elasticity.model][scene.dimension]
     if any(material.retardation_time for material in scene.materials):
         per_pair *= VISCOUS[scene.dimension]
+    contact = _contact_of(scene, SECONDS_OF_CONTACT, SECONDS_OF_FRICTION)
     return Cost(
         particles=particles,
         neighbours=neighbours,
@@ -82,7 +87,7 @@ def estimate(scene: Scene) -> Cost:
         steps=clock.steps,
         frames=clock.steps // clock.frame_every + 1,
         memory=memory_of(scene, total),
-        seconds=elastic * clock.steps * neighbours * per_pair,
+        seconds=clock.steps * (elastic * neighbours * per_pair + total * contact),
     )
 
 
@@ -113,15 +118,16 @@ def memory_of(scene: Scene, particles: int) -> float:
     if scene.fluids:
         return float(particles) * BYTES_OF_FLUID[d]
     pairs = lattice_neighbours(d, scene.elasticity.effective_radius)
-    return float(particles) * (BYTES_PER_PARTICLE[d] + BYTES_PER_PAIR[d] * pairs + _bytes_of_contact(scene))
+    return float(particles) * (BYTES_PER_PARTICLE[d] + BYTES_PER_PAIR[d] * pairs + _contact_of(scene, BYTES_OF_CONTACT, BYTES_OF_FRICTION))
 
 
-def _bytes_of_contact(scene: Scene) -> int:
+def _contact_of(scene: Scene, touching: Mapping[int, float], rubbing: Mapping[int, float]) -> float:
+    """What contact takes more a particle: the first where bodies can touch, and the second where they rub."""
     several = len(scene.bodies) + len(scene.walls) > 1
     if scene.contact.between == "none" or not (several or scene.contact.between == "all"):
-        return 0
+        return 0.0
     rubs = scene.contact.friction or any(wall.friction for wall in scene.walls)
-    return BYTES_OF_CONTACT[scene.dimension] + (BYTES_OF_FRICTION[scene.dimension] if rubs else 0)
+    return touching[scene.dimension] + (rubbing[scene.dimension] if rubs else 0.0)
 
 
 def refuse_too_large(scene: Scene) -> None:
