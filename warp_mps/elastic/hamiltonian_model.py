@@ -83,12 +83,9 @@ class HamiltonianModel:
 
     def pressures(self) -> np.ndarray:
         """Pressure -tr(sigma)/d of the Cauchy stress sigma = P F^T / J in the scene's dimensions [Pa], shape [n]."""
-        f = self.gradient.numpy().astype(float) + np.eye(self.gradient.numpy().shape[-1])
-        # B_i holds V P A^-1 - kappa H: the stress is had back from it
-        kappa_h = self.kappa.numpy()[:, None, None] * self.gradient.numpy()
-        shape = np.linalg.inv(self._inverse_shape.numpy().astype(float))
-        p = (self.pull.numpy() + kappa_h) @ shape / self._volume.numpy()[:, None, None]
-        return -np.einsum("nij,nij->n", p, f) / np.linalg.det(f) / f.shape[-1]
+        d = self._kit.dimension
+        stresses = stress_fields(self.gradient, self.constants(), kit=self._kit, device=self._device).stresses
+        return -np.trace(stresses[:, :d, :d], axis1=1, axis2=2) / d
 
     def stress_fields(self, state: ElasticState) -> StressFields:
         """Stresses and strains at the last evaluation of the stresses."""
