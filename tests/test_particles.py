@@ -280,3 +280,10 @@ def test_supports_loads_and_regions_act_on_no_wall() -> None:
     floor = Support(name="grip", region=Box((0.12, 0.02), (0.02, -0.026)))
     with pytest.raises(InputError, match="the support holds no particle"):
         select_held(particles, floor)
+
+
+def test_what_cannot_be_counted_is_named() -> None:
+    """A box of a plane has no end along z."""
+    scene = scene_of(block(2), dimension=3)
+    with pytest.raises(InputError, match="body 'block' shape: is unbounded"):
+        count_particles(scene)

@@ -79,6 +79,8 @@ def _scene_numbers(scene: Scene) -> None:
     _range(scene.elasticity.effective_radius, 1.1, 5.0, where, "effective_radius")
     _range(scene.elasticity.control, 0.0, 10.0, where, "control")
     _range(scene.damping, 0.0, math.inf, where, "damping")
+    reason = f"is {scene.outputs!r}, must be a tuple of names"
+    _require(not isinstance(scene.outputs, str), where, "outputs", reason)
     for output in scene.outputs:
         _choice(output, sc.OUTPUTS, where, "outputs")
     _require(len({*scene.outputs}) == len(scene.outputs), where, "outputs", "names a quantity twice")

@@ -97,7 +97,10 @@ _WHOLE = ("names", "ranges", "elastic", "liquid")
 def count_particles(scene: Scene) -> dict[str, int]:
     """Number of particles of each body, wall and fluid, at most, found without filling anything."""
     return {
-        item.name: particle_count(item.shape, item.spacing, scene.dimension, item.node_axes) for item in scene.filled
+        item.name: particle_count(
+            item.shape, item.spacing, scene.dimension, item.node_axes, where=place(item, kind_of(item))
+        )
+        for item in scene.filled
     }
 
 

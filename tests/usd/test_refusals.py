@@ -48,6 +48,7 @@ def refusal(path: Path, **options: Any) -> InputError:
         ),
         ({"Beam": ("double mps:spacing.timeSamples = { 0: 1, 1: 2 }",)}, "/Beam", "mps:spacing", "not vary in time"),
         ({"Beam": ("double mps:spaceing = 1",)}, "/Beam", "mps:spaceing", "did you mean mps:spacing"),
+        ({"Beam": ("double mps:friction = 1",)}, "/Beam", "mps:friction", "is not known here; it is for: scene, wall"),
         ({"Beam": ("-material:binding:physics",)}, "/Beam", "material:binding:physics", "bind a material"),
         ({"Beam": ("float physics:mass = 2",)}, "/Beam", "physics:mass", "density"),
         ({"Beam": ("double3 mps:velocity = (0, 0, 1)",)}, "/Beam", "mps:velocity", "must lie in the plane xy"),
@@ -111,6 +112,12 @@ def test_refusals_name_the_prim_and_the_attribute(
     error = refusal(write(tmp_path, **parts))
     assert (error.where, error.attribute) == (where, attribute)
     assert reason in error.reason
+
+
+def test_a_wrong_type_is_named_also_where_a_schema_gives_the_right_one(tmp_path: Path) -> None:
+    path = write(tmp_path, Beam=('string mps:spacing = "0.1"',))
+    path.write_text(path.read_text().replace('def Cube "Beam"', 'def Cube "Beam" ( apiSchemas = ["MpsBodyAPI"] )'))
+    assert refusal(path).reason == "must be double, not string"
 
 
 def test_open_meshes(tmp_path: Path) -> None:

@@ -21,6 +21,8 @@ from warp_mps.scene import Load, Scene, Support
 
 WIDE = 200
 ROOM_FOR_SOURCES = 130
+# a relative error that is smaller is one of rounding
+ROUNDING = 1e-13
 
 
 def show_cases() -> int:
@@ -158,6 +160,8 @@ def _table(*columns: str) -> Table:
 def _percent(value: float | None) -> str:
     if value is None:
         return ""
+    if abs(value) < ROUNDING:
+        return "0 %"
     return f"{100.0 * value:+.2f} %" if abs(value) >= 5e-5 else f"{100.0 * value:+.1e} %"
 
 

@@ -67,7 +67,9 @@ def fill(shape: Shape, spacing: float, dimension: int, *, node_axes: Sequence[in
     return positions
 
 
-def particle_count(shape: Shape, spacing: float, dimension: int, node_axes: Sequence[int] = ()) -> int:
+def particle_count(
+    shape: Shape, spacing: float, dimension: int, node_axes: Sequence[int] = (), *, where: str = "shape"
+) -> int:
     """Number of particles that `fill` makes, at most, without making them; exact for a box and for `Points`.
 
     Args:
@@ -75,13 +77,14 @@ def particle_count(shape: Shape, spacing: float, dimension: int, node_axes: Sequ
         spacing: Particle spacing l0 [m].
         dimension: 2 or 3.
         node_axes: Axes of the lattice along which the outermost particles lie on the faces.
+        where: What the shape belongs to, for error messages.
 
     Raises:
         InputError: As for `fill`.
     """
     if isinstance(shape, Points):
         return len(shape.positions)
-    grid = _grid(shape, spacing, dimension, node_axes, "")
+    grid = _grid(shape, spacing, dimension, node_axes, where)
     return int(np.prod(np.array(grid.counts, dtype=object)))
 
 

@@ -99,6 +99,7 @@ class Box(_Implicit):
     Attributes:
         size: Edge lengths [m], 3 numbers, or 2 for a box that is infinitely deep along z.
         center: Centre [m], 2 or 3 numbers.
+        placement: How it is turned, stretched and moved, as of every `Shape`.
     """
 
     size: Sequence[float]
@@ -127,6 +128,7 @@ class Sphere(_Implicit):
     Attributes:
         radius: Radius [m].
         center: Centre [m], 2 or 3 numbers.
+        placement: How it is turned, stretched and moved, as of every `Shape`.
     """
 
     radius: float
@@ -155,6 +157,7 @@ class Cylinder(_Implicit):
         axis: Its axis, ``x``, ``y`` or ``z``.
         center: Centre [m], 2 or 3 numbers.
         inner_radius: Radius of the bore [m].
+        placement: How it is turned, stretched and moved, as of every `Shape`.
     """
 
     radius: float

@@ -63,10 +63,7 @@ def read_stage(path: str | Path, *, overrides: Mapping[str, str] | None = None) 
 
 def _check_lattice(body: Body | Wall | Fluid, dimension: int) -> None:
     """Refuse what cannot be filled with particles, while the stage's words for it are known."""
-    try:
-        particle_count(body.shape, body.spacing, dimension, body.node_axes)
-    except InputError as error:
-        raise InputError(body.path, error.attribute, error.reason) from None
+    particle_count(body.shape, body.spacing, dimension, body.node_axes, where=body.path)
 
 
 class _Reader:

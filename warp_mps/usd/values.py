@@ -34,8 +34,10 @@ class Values:
         """
         for found in self.prim.GetAuthoredPropertyNames():
             if found.startswith("mps:") and found != ROLE and found not in self.table:
+                others = [role for role, table in TABLE.items() if found in table]
                 near = difflib.get_close_matches(found, self.table, n=1)
                 hint = f"did you mean {near[0]}?" if near else "known are " + ", ".join(self.table)
+                hint = f"it is for: {', '.join(others)}" if others else hint
                 raise InputError(self.path, found, f"is not known here; {hint}")
 
     def given(self, name: str) -> bool:
@@ -111,7 +113,9 @@ def typed(attribute: Usd.Attribute, row: Attribute) -> Any:
         raise InputError(path, row.name, "must have a value that does not vary in time")
     plain = _plain(value, row.kind)
     if plain is None:
-        raise InputError(path, row.name, f"must be {row.kind}, not {attribute.GetTypeName()}")
+        # as it is written: of a prim that applies the schema, the attribute itself has the type of the schema
+        written = attribute.GetPropertyStack()[0].typeName
+        raise InputError(path, row.name, f"must be {row.kind}, not {written}")
     if row.kind not in ("token", "token[]", "string", "bool") and not np.isfinite(plain).all():
         raise InputError(path, row.name, "must be finite")
     return plain
