@@ -20,7 +20,7 @@ from warp_mps.scene import Scene
 SECONDS_PER_PAIR = {"springs": {2: 12e-9, 3: 28e-9}, "hamiltonian": {2: 7e-9, 3: 9e-9}}
 # times as long with a retardation time
 VISCOUS = {2: 2.6, 3: 3.7}
-# seconds more a particle-step, walls included, where bodies can touch, and where they rub, far from each other (2-D, 3-D)
+# seconds more a particle-step, walls included, where bodies can touch, and where they rub (2-D, 3-D)
 SECONDS_OF_CONTACT = {2: 15e-9, 3: 25e-9}
 SECONDS_OF_FRICTION = {2: 13e-9, 3: 28e-9}
 # seconds that a step of fluids takes a particle, walls included, on one CPU core (2-D, 3-D)
@@ -118,7 +118,9 @@ def memory_of(scene: Scene, particles: int) -> float:
     if scene.fluids:
         return float(particles) * BYTES_OF_FLUID[d]
     pairs = lattice_neighbours(d, scene.elasticity.effective_radius)
-    return float(particles) * (BYTES_PER_PARTICLE[d] + BYTES_PER_PAIR[d] * pairs + _contact_of(scene, BYTES_OF_CONTACT, BYTES_OF_FRICTION))
+    return float(particles) * (
+        BYTES_PER_PARTICLE[d] + BYTES_PER_PAIR[d] * pairs + _contact_of(scene, BYTES_OF_CONTACT, BYTES_OF_FRICTION)
+    )
 
 
 def _contact_of(scene: Scene, touching: Mapping[int, float], rubbing: Mapping[int, float]) -> float:

@@ -53,7 +53,8 @@ class Rubbing:
         push: wp.array,
     ) -> None:
         """Add the friction of a step to its contact forces, once a step: slips grow by the step's move."""
-        inputs = [self._together, *places, *stiffness, self._hold, self._friction, *candidates, state.u, self._u_before, push]
+        moved = [state.u, self._u_before]
+        inputs = [self._together, *places, *stiffness, self._hold, self._friction, *candidates, *moved, push]
         outputs = [self._gripped, self._slip, self._pull, self._mean, self._stored]
         wp.launch(self._kernels.grip, self._threads, inputs, outputs, device=self._device)
         inputs = [self._together, *places, *candidates, state.u, self._pull, self._mean, self._stored]
