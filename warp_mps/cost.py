@@ -97,7 +97,7 @@ def _estimate_fluids(scene: Scene) -> Cost:
     refuse_too_large(scene)  # for the fall of the particles, which says how long a step can be, they must be filled
     clock, filled = Clock(scene), fill_scene(scene)
     particles = dict(zip(filled.names, np.diff(filled.ranges, axis=1).ravel().tolist(), strict=True))
-    limit = step_limit(scene, filled)
+    limit, _ = step_limit(scene, filled)
     dt = min(limit, scene.time_step or limit, clock.dt)
     steps = math.ceil(scene.duration / dt - 1e-6)
     return Cost(

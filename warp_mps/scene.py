@@ -392,7 +392,7 @@ class Liquid:
 
     Attributes:
         density: Mass density rho [kg/m^3].
-        viscosity: Kinematic viscosity [m^2/s], at least 0.
+        viscosity: Kinematic viscosity [m^2/s], at least 0; implicit where it would limit the time step.
         path: Where it was described, for error messages.
     """
 

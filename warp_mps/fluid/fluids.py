@@ -18,6 +18,7 @@ from warp_mps.fluid.operators import operators
 from warp_mps.fluid.pressure import CONSERVATIVE, CORRECTED, KOSHIZUKA_OKA, pressure_kernels
 from warp_mps.fluid.readings import FluidReadings
 from warp_mps.fluid.state import FluidState, initial_state
+from warp_mps.fluid.viscous import ImplicitViscosity, viscous_kernels
 from warp_mps.particles import Particles
 from warp_mps.rigid.poses import Poses, declare_rigid, moving_runs
 from warp_mps.scene import Scene
@@ -34,7 +35,7 @@ MAX_ITERATIONS = 2000
 
 def declare_kernels(kit: Kit) -> list[str]:
     """Declare every kernel that fluids need, and return the names of their modules."""
-    for declare in (list_kernels, pressure_kernels, gradient_kernels, motion_kernels):
+    for declare in (list_kernels, pressure_kernels, gradient_kernels, motion_kernels, viscous_kernels):
         declare(kit)
     return [kit.module(METHOD), *declare_solver(kit), *declare_multilevel(kit), declare_rigid(kit)]
 
@@ -76,12 +77,14 @@ class Fluids(FluidReadings):
         self._slope = self.operators.original_gradient if original else self.operators.gradient
         n0 = self.operators.number_density
         self.state: FluidState = initial_state(particles, self.lists, n0, kit=kit, device=device)
-        self.step_limit = step_limit(scene, particles)
+        self.step_limit, implicit = step_limit(scene, particles)
         self._longest = min(self.step_limit, scene.time_step or math.inf)
         self._courant = flow.courant
         self._kit = kit
         self._kernels = (pressure_kernels(kit), gradient_kernels(kit), motion_kernels(kit))
         self._allocate(scene, flow.tolerance)
+        n, m = self._walls + self._m, self._matrix
+        self._implicit = ImplicitViscosity(n, self._walls, m, kit=kit, device=device) if implicit else None
         self._graph: Any = None
         self._velocities_before, self._interval = particles.velocities, math.inf
 
@@ -180,13 +183,14 @@ class Fluids(FluidReadings):
             factor = self._viscosity * self.operators.laplacian
             inputs = [lists.period, self.operators.radius, self._sticks, *self._listed(), state.x, state.u, state.lost]
             self._launch(motion.mirror, self._walls, inputs, [self._mirrored])
-            inputs = [self._walls, lists.period, self.operators.radius, factor, self._sticks, *self._listed()]
-            self._launch(
-                motion.viscosity,
-                len(state.x),
-                [*inputs, state.x, state.u, state.lost, self._mirrored],
-                [self._acceleration],
-            )
+            head, tail = [self._walls, lists.period, self.operators.radius, factor], [self._sticks, *self._listed()]
+            u = state.u
+            if self._implicit:
+                now = [self._dt, state.x, u, state.lost, self._mirrored]
+                self._implicit.solve([*head, self._gravity, *tail], now, u)
+                u = self._implicit.u
+            inputs = [*head, *tail, state.x, u, state.lost, self._mirrored]
+            self._launch(motion.viscosity, len(state.x), inputs, [self._acceleration])
         mass = self._density * self._volume
         inputs = [self._walls, self._gravity, mass, self._dt, self._acceleration, state.lost]
         self._launch(motion.predict, len(state.x), inputs, [state.x, state.u, state.impulse, state.work])
@@ -278,11 +282,11 @@ class Fluids(FluidReadings):
         self._place(self.state.time)
 
 
-def step_limit(scene: Scene, particles: Particles) -> float:
-    """Longest time step that a fluid at rest may take [s].
+def step_limit(scene: Scene, particles: Particles) -> tuple[float, bool]:
+    """Longest time step that a fluid at rest may take [s], and whether viscosity must be implicit in it.
 
     A particle must not cross more than `courant` of a spacing in a step, at the speed of a fall through the fluid's
-    height or at its initial speed, and explicit viscosity must be stable.
+    height or at its initial speed. Viscosity is explicit where that is stable in such a step.
     """
     part = slice(particles.count - particles.liquid, None)
     x, u = particles.positions[part], particles.velocities[part]
@@ -294,9 +298,8 @@ def step_limit(scene: Scene, particles: Particles) -> float:
     speed = float(np.sqrt((u**2).sum(axis=1).max()))
     if speed > 0.0:
         limits.append(flow.courant * fluid.spacing / speed)
-    if fluid.liquid.viscosity > 0.0:
-        limits.append(VISCOUS_STEP * fluid.spacing**2 / fluid.liquid.viscosity)
-    return min(limits)
+    limit = min(limits)
+    return limit, min(limit, scene.time_step or limit) * fluid.liquid.viscosity > VISCOUS_STEP * fluid.spacing**2
 
 
 def _domain(scene: Scene, particles: Particles) -> tuple[np.ndarray, np.ndarray]:

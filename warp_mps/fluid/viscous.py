@@ -1,0 +1,136 @@
+"""Implicit viscosity: velocities u' = u + dt (g + nu lap u'), for steps that explicit viscosity would not be stable in.
+
+The components are independent of each other, and the matrix, 1 - dt nu lap among the fluid particles, is symmetric and
+positive. Walls without slip enter with the velocities that viscosity sees in them, which are those of before the step.
+The step then takes nu lap u' as its viscous acceleration, so that what the fluid loses to the walls is what they gain.
+"""
+
+import functools
+from types import SimpleNamespace
+from typing import Any
+
+import warp as wp
+
+from warp_mps.core.kit import Kit
+from warp_mps.core.solver import ConjugateGradient, Matrix
+from warp_mps.fluid.lists import METHOD, list_kernels
+from warp_mps.fluid.pressure import pressure_kernels
+
+TOLERANCE, MAX_ITERATIONS = 1e-6, 1000
+
+
+@functools.cache
+def viscous_kernels(kit: Kit) -> SimpleNamespace:
+    """Kernels `rows` and `join`."""
+    real, vec, d = kit.real, kit.vec, kit.dimension
+    apart, weight = list_kernels(kit).apart, pressure_kernels(kit).weight
+
+    @kit.kernel(METHOD)
+    def rows(
+        # Model:
+        walls: wp.int32,
+        period: vec,
+        radius: real,
+        factor: real,
+        gravity: vec,
+        sticks: wp.array(dtype=wp.int32),
+        listed: wp.array(dtype=wp.int32, ndim=2),
+        count: wp.array(dtype=wp.int32),
+        # State in:
+        dt: wp.array(dtype=wp.float64),
+        x: wp.array(dtype=vec),
+        u: wp.array(dtype=vec),
+        lost: wp.array(dtype=wp.int32),
+        mirrored: wp.array(dtype=vec),
+        # Out:
+        first_out: wp.array(dtype=wp.int32),
+        count_out: wp.array(dtype=wp.int32),
+        index_out: wp.array(dtype=wp.int32),
+        value_out: wp.array(dtype=real),
+        diagonal_out: wp.array(dtype=real),
+        active_out: wp.array(dtype=wp.int32),
+        rhs_out: wp.array(dtype=wp.float64, ndim=2),
+        guess_out: wp.array(dtype=wp.float64, ndim=2),
+    ):
+        """The row of a fluid particle, and the right-hand side of each component."""
+        k = wp.tid()
+        i = k + walls
+        h = real(dt[0])
+        x_i = x[i]
+        first = k * listed.shape[1]
+        entries = wp.int32(0)
+        diagonal = real(1.0)
+        rhs = u[i] + h * gravity
+        for m in range(count[i]):
+            j = listed[i, m]
+            r = wp.length(apart(x_i, x[j], period))
+            if r < radius and sticks[j] == 1 and lost[j] == 0:
+                c = h * factor * weight(r, radius)
+                diagonal += c
+                if j < walls:
+                    rhs += c * mirrored[j]
+                else:
+                    index_out[first + entries] = j - walls
+                    value_out[first + entries] = c
+                    entries += 1
+        first_out[k] = first
+        count_out[k] = entries
+        diagonal_out[k] = diagonal
+        active_out[k] = 1 - lost[i]
+        for axis in range(wp.static(d)):
+            rhs_out[axis, k] = wp.float64(rhs[axis])
+            guess_out[axis, k] = wp.float64(u[i][axis])
+
+    @kit.kernel(METHOD)
+    def join(
+        # Model:
+        walls: wp.int32,
+        # State in:
+        u: wp.array(dtype=vec),
+        solution: wp.array(dtype=wp.float64, ndim=2),
+        # Out:
+        u_out: wp.array(dtype=vec),
+    ):
+        """Velocities of all particles, the solution's for the fluid."""
+        i = wp.tid()
+        u_i = u[i]
+        if i >= walls:
+            for axis in range(wp.static(d)):
+                u_i[axis] = real(solution[axis, i - walls])
+        u_out[i] = u_i
+
+    return SimpleNamespace(rows=rows, join=join)
+
+
+class ImplicitViscosity:
+    """The velocities that an implicit step of viscosity leads to.
+
+    Attributes:
+        u: They, of all particles, vec [n].
+
+    Args:
+        n: Number of particles.
+        walls: Number of those that are walls, the first ones.
+        matrix: Room for a matrix of the fluid's particles.
+        kit: Number types.
+        device: Warp device.
+    """
+
+    def __init__(self, n: int, walls: int, matrix: Matrix, *, kit: Kit, device: Any) -> None:
+        self._kernels, self._device, self._n, self._walls = viscous_kernels(kit), device, n, walls
+        self._matrix = matrix._replace(singular=None)
+        m = n - walls
+        self._rhs = wp.zeros((kit.dimension, m), dtype=wp.float64, device=device)
+        self._solution = wp.zeros((kit.dimension, m), dtype=wp.float64, device=device)
+        self._solver = ConjugateGradient(m, kit=kit, device=device, tolerance=TOLERANCE, max_iterations=MAX_ITERATIONS)
+        self.u = wp.zeros(n, dtype=kit.vec, device=device)
+
+    def solve(self, constants: list[Any], state: list[wp.array], u: wp.array) -> None:
+        """Launch the solve; arguments of the kernel `rows` up to its outputs, and the velocities before the step."""
+        matrix = self._matrix
+        outputs = [matrix.first, matrix.count, matrix.index, matrix.value, matrix.diagonal, matrix.active]
+        outputs += [self._rhs, self._solution]
+        wp.launch(self._kernels.rows, self._n - self._walls, [*constants, *state], outputs, device=self._device)
+        for axis in range(self._rhs.shape[0]):
+            self._solver.solve(matrix, self._rhs[axis], self._solution[axis])
+        wp.launch(self._kernels.join, self._n, [self._walls, u, self._solution], [self.u], device=self._device)
