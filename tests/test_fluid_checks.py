@@ -178,6 +178,11 @@ def test_what_a_fluid_lacks_is_remarked() -> None:
     assert remarks(scene(walls=())) == ["no walls: nothing holds the fluid"]
     assert remarks(scene(gravity=(0.0, 0.0))) == ["no gravity: the fluid has no weight"]
     assert len(remarks(scene(walls=(), gravity=()))) == 2
+    wall = scene().walls[0]
+    thin = replace(wall, shape=Box((1.0, 2.0 * wall.spacing), (0.0, -1.0)), path="/World/Shelf")
+    (line,) = remarks(scene(walls=(thin,)))
+    assert line.startswith("/World/Shelf: is 2 particles thick")
+    assert "3 keep it apart" in line
     assert remarks(Scene(bodies=(block(2),), duration=1.0)) == []
 
 

@@ -11,10 +11,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from warp_mps import scene as sc
+from warp_mps.fluid.operators import EFFECTIVE_RADIUS
 from warp_mps.requirements import choice, in_range, place, positive, require, vector
+from warp_mps.shapes import Box
 
 if TYPE_CHECKING:
-    from warp_mps.scene import Fluid, Probe, Scene, VelocityField
+    from warp_mps.scene import Fluid, Probe, Scene, VelocityField, Wall
 
 # relative difference up to which spacings are the same
 SAME = 1e-6
@@ -46,7 +48,24 @@ def remarks(scene: Scene) -> list[str]:
     if not scene.fluids:
         return []
     lines = [] if scene.walls else ["no walls: nothing holds the fluid"]
-    return lines if any(scene.gravity) else [*lines, "no gravity: the fluid has no weight"]
+    if not any(scene.gravity):
+        lines.append("no gravity: the fluid has no weight")
+    return [*lines, *(line for wall in scene.walls for line in _thin(wall, scene))]
+
+
+def _thin(wall: Wall, scene: Scene) -> list[str]:
+    """A line about a wall that keeps the pressures on its two sides apart only in part.
+
+    Water sees water up to the effective radius away, and a wall of k rows of particles keeps it k + 1 spacings apart.
+    """
+    if not isinstance(wall.shape, Box):
+        return []
+    least = math.ceil(scene.flow.effective_radius or EFFECTIVE_RADIUS[scene.dimension]) - 1
+    rows = max(1, round(min(wall.shape.size[: scene.dimension]) / wall.spacing))
+    if rows >= least:
+        return []
+    reason = f"is {rows} particles thick: in impacts, water on one side feels that on the other; {least} keep it apart"
+    return [f"{place(wall, 'wall')}: {reason}"]
 
 
 def probe_quantities(probe: Probe, scene: Scene) -> tuple[str, ...]:
