@@ -27,6 +27,7 @@ PROMISED = (
         "mass_spring_free",
         "ring_collision",
         "ring_collision_gray",
+        "turek_csm1",
         "turek_csm3",
     ),
 )

@@ -15,6 +15,7 @@ import numpy as np
 from warp_mps import scene as sc
 from warp_mps.components import component_names
 from warp_mps.fluid_checks import check_fluids, check_probed_fluid, check_velocity_field, probe_quantities
+from warp_mps.implicit_checks import check_implicit
 from warp_mps.requirements import choice as _choice
 from warp_mps.requirements import in_range as _range
 from warp_mps.requirements import place
@@ -54,6 +55,7 @@ def check_scene(scene: Scene) -> None:
         _filled(fluid, place(fluid, "fluid"))
         _start(scene, fluid, place(fluid, "fluid"))
     check_fluids(scene)
+    check_implicit(scene)
     for support in scene.supports:
         _support(scene, support)
     for load in scene.loads:

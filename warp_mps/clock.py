@@ -19,7 +19,7 @@ class Clock:
     """Time step and schedule of a run.
 
     Attributes:
-        dt: Time step [s]; of fluids, the interval between two samples.
+        dt: Time step [s]; of fluids, the interval between two samples; in statics, of the load factor.
         steps: Number of steps of the run.
         frame_every: Steps between saved frames.
         sample_every: Steps between rows of probes.csv.
@@ -35,13 +35,22 @@ class Clock:
         if scene.fluids:
             # a step of a run is an interval between two samples, which takes as many steps of the fluid as it needs
             self.dt_limit, self.sample_every, self.dt = math.inf, 1, frame / samples
+        elif scene.analysis == "static":
+            self._ramp(scene)
+            return
         else:
             self._divide(scene, frame, samples)
         self.frame_every = samples * self.sample_every
         self.steps = max(1, math.ceil(_count(scene, scene.duration, self.dt, "duration") - 1e-6))
         # the same as steps of dt but for rounding: frames are then at 0.2 s, not at 0.19999999999999998
         given = scene.time_step is not None and not scene.fluids
-        self._rate = None if given else self.frame_every * scene.frame_rate
+        self._rate: float | None = None if given else self.frame_every * scene.frame_rate
+
+    def _ramp(self, scene: Scene) -> None:
+        """A step is a load step, and each is shown; what stands for the time is the load factor."""
+        self.dt_limit, self.dt = math.inf, scene.duration / scene.load_steps
+        self.steps, self.sample_every, self.frame_every = scene.load_steps, 1, 1
+        self._rate = scene.load_steps / scene.duration
 
     def _divide(self, scene: Scene, frame: float, samples: int) -> None:
         """Find the time step of elastic bodies, of which a whole number fits between two samples."""
@@ -53,7 +62,8 @@ class Clock:
         # a contact as stiff as the material adds to the stiffness of the particles that touch
         slower = math.sqrt(max(1.0, scene.contact.stiffness))
         crossing /= slower
-        self.dt_limit = min(stable_time_step(body, scene) for body in scene.bodies) / slower
+        limit = min(stable_time_step(body, scene) for body in scene.bodies) / slower
+        self.dt_limit = math.inf if scene.implicit else limit
         if scene.time_step is None:
             step = min(scene.courant * crossing, SAFETY * self.dt_limit)
             self.sample_every = max(1, math.ceil(_count(scene, frame / samples, step, "frame_rate")))

@@ -12,6 +12,7 @@ import numpy as np
 from warp_mps.checks import place
 from warp_mps.clock import Clock
 from warp_mps.core.weights import lattice_neighbours
+from warp_mps.elastic.material import stable_time_step
 from warp_mps.errors import InputError
 from warp_mps.particles import count_particles, fill_scene, kind_of
 from warp_mps.scene import Scene
@@ -35,6 +36,14 @@ BYTES_PER_PAIR = {2: 40, 3: 48}
 # bytes more a particle where bodies of equal spacing can touch, and where they rub
 BYTES_OF_CONTACT = {2: 350, 3: 450}
 BYTES_OF_FRICTION = {2: 430, 3: 600}
+
+
+# bytes more a particle where equations are solved for the displacements
+BYTES_OF_SOLVER = {2: 600, 3: 1000}
+# of a solve: Newton iterations of a load step and of a time step, product in units of an explicit step, and iterations
+# of the linear solver: in statics in units of the particles along an edge of a square or a cube of them
+NEWTON = {"static": 6.0, "dynamic": 2.0}
+PRODUCT, LINEAR = 2.5, 12.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -79,6 +88,7 @@ def estimate(scene: Scene) -> Cost:
     if any(material.retardation_time for material in scene.materials):
         per_pair *= VISCOUS[scene.dimension]
     contact = _contact_of(scene, SECONDS_OF_CONTACT, SECONDS_OF_FRICTION)
+    products = _products(scene, elastic) if scene.implicit else 1.0
     return Cost(
         particles=particles,
         neighbours=neighbours,
@@ -87,8 +97,18 @@ def estimate(scene: Scene) -> Cost:
         steps=clock.steps,
         frames=clock.steps // clock.frame_every + 1,
         memory=memory_of(scene, total),
-        seconds=clock.steps * (elastic * neighbours * per_pair + total * contact),
+        seconds=clock.steps * (elastic * neighbours * per_pair * products + total * contact),
     )
+
+
+def _products(scene: Scene, particles: int) -> float:
+    """Explicit steps that a step with solved equations takes as long as."""
+    iterations = LINEAR * particles ** (1.0 / scene.dimension)
+    if scene.analysis == "dynamic" and scene.time_step is not None:
+        # the inertia of a short step makes its equation easy
+        explicit = min(stable_time_step(body, scene) for body in scene.bodies)
+        iterations = min(iterations, 1.0 + 2.0 * scene.time_step / explicit)
+    return PRODUCT * NEWTON[scene.analysis] * iterations
 
 
 def _estimate_fluids(scene: Scene) -> Cost:
@@ -118,9 +138,9 @@ def memory_of(scene: Scene, particles: int) -> float:
     if scene.fluids:
         return float(particles) * BYTES_OF_FLUID[d]
     pairs = lattice_neighbours(d, scene.elasticity.effective_radius)
-    return float(particles) * (
-        BYTES_PER_PARTICLE[d] + BYTES_PER_PAIR[d] * pairs + _contact_of(scene, BYTES_OF_CONTACT, BYTES_OF_FRICTION)
-    )
+    contact = _contact_of(scene, BYTES_OF_CONTACT, BYTES_OF_FRICTION)
+    solver = BYTES_OF_SOLVER[d] if scene.implicit else 0
+    return float(particles) * (BYTES_PER_PARTICLE[d] + BYTES_PER_PAIR[d] * pairs + contact + solver)
 
 
 def _contact_of(scene: Scene, touching: Mapping[int, float], rubbing: Mapping[int, float]) -> float:

@@ -42,6 +42,8 @@ class RunSummary:
         momentum_error: Largest resultant of the internal forces in a frame since then, as a part of the largest sum of
             their magnitudes [-].
         fluid: Of fluids, particles lost and what the pressure solve did; see `Simulation.fluid_record`.
+        implicit: Of a static analysis and of implicit steps, what the solvers did: `equilibria` solved,
+            Newton iterations, iterations of the linear solver, largest residual relative to the forces.
         measurements: Results; see :func:`measurement_rows`.
     """
 
@@ -60,6 +62,7 @@ class RunSummary:
     energy: dict[str, float | None] = field(default_factory=dict)
     momentum_error: float | None = None
     fluid: dict[str, float] = field(default_factory=dict)
+    implicit: dict[str, float] = field(default_factory=dict)
     measurements: list[dict[str, Any]] = field(default_factory=list)
 
     def write(self, path: str | Path) -> None:

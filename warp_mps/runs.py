@@ -113,7 +113,7 @@ class _Run:
         self._momentum = MomentumMonitor(every=clock.frame_every)
         self._observers: list[Observer] = [
             # first, so that nothing is recorded of a state that is not one
-            Guard(every=clock.sample_every, time_step=clock.dt),
+            Guard(every=clock.sample_every, time_step=clock.dt, energy=scene.analysis != "static"),
             self._momentum,
             self._probes,
             FrameRecorder(
@@ -183,6 +183,7 @@ class _Run:
                 kind: count / wall if wall > 0.0 and count else None for kind, count in done.items()
             },
             fluid=simulation.fluid_record(),
+            implicit=simulation.implicit_record(),
             energy=energy_record(history),
             momentum_error=self._momentum.error,
             measurements=measurement_rows(simulation.scene, history),

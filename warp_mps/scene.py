@@ -20,6 +20,8 @@ ELASTIC_MODELS = ("hamiltonian", "springs")
 LAWS = ("st_venant_kirchhoff", "neo_hookean")
 NORMALIZATIONS = ("lattice", "particle")
 PLANE_MODELS = ("strain", "stress")
+ANALYSES = ("dynamic", "static")
+INTEGRATORS = ("explicit", "implicit")
 CONTACTS = ("none", "bodies", "all")
 INTERPOLATIONS = ("linear", "cubic")
 WALL_SLIPS = ("free", "no")
@@ -615,6 +617,11 @@ class Scene:
         sample_rate: Rows of probes.csv per simulated second, a multiple of `frame_rate` [1/s]; None is `frame_rate`.
         time_step: Time step [s]; None derives it from `courant`. Frames and rows then come every so many whole steps,
             as near to their rates as that allows.
+        analysis: ``dynamic``, or ``static``: equilibrium under loads, weight and moving supports, which grow together
+            with the load factor. The load factor stands for the time, from 0 to `duration`; 1 is all of them.
+        load_steps: Increments of a static load; each makes a frame and a row.
+        integrator: ``explicit``, or ``implicit``: steps of `time_step` of any length by the theta rule.
+        theta: Theta of that rule: 0.5 keeps the energy, 1 damps most (`warp_mps.elastic.implicit.theta`).
         courant: Time step in units of l0 / c_p, c_p the speed of pressure waves [-], and at most 0.9
             of what is stable for small deformations.
         stage: How the scene lies in its stage; None is the x-y plane, or x, y, z in 3-D, of a stage in SI units.
@@ -645,6 +652,10 @@ class Scene:
     frame_rate: float = 100.0
     sample_rate: float | None = None
     time_step: float | None = None
+    analysis: str = "dynamic"
+    load_steps: int = 10
+    integrator: str = "explicit"
+    theta: float = 0.55
     courant: float = 0.25
     stage: StageFrame | None = None
     path: str = "scene"
@@ -653,6 +664,11 @@ class Scene:
         from warp_mps.checks import check_scene
 
         check_scene(self)
+
+    @property
+    def implicit(self) -> bool:
+        """Whether equations are solved for the displacements of its elastic bodies."""
+        return self.analysis == "static" or self.integrator == "implicit"
 
     @property
     def materials(self) -> tuple[Material, ...]:

@@ -16,7 +16,7 @@ from warp_mps.errors import InputError, RunError
 from warp_mps.observers.base import Observer, closing
 from warp_mps.particles import Particles, fill_scene
 from warp_mps.scene import Scene
-from warp_mps.system import System
+from warp_mps.system import PacedSystem, System
 
 if TYPE_CHECKING:
     from warp_mps.elastic.solid import Solid
@@ -67,25 +67,31 @@ class Simulation:
         self._device = open_device(device)
         if threads > 1 and not self._device.is_cpu:
             raise InputError("", "threads", f"is {threads} on {device}; threads are for the CPU device")
-        if threads > 1 and scene.fluids:
-            raise InputError("", "threads", f"is {threads}; fluids take one")
+        if threads > 1 and (scene.fluids or scene.implicit):
+            what = "fluids take" if scene.fluids else "a static analysis and implicit steps take"
+            raise InputError("", "threads", f"is {threads}; {what} one")
         self.scene = scene
         self.precision = precision
         self.clock = Clock(scene)
         self.particles: Particles = fill_scene(scene)
         self.step = 0
         numbers = kit(scene.dimension, precision)
-        self._system: System = self._make_system(numbers, graphs, announce)
+        made = self._make_system(numbers, graphs, announce)
+        self._system: System = made
         self._system.start()
         self._graphs: dict[int, Any] = {}
         self._threads = threads
         self._team = self._make_team() if threads > 1 else None
         self._use_graphs = graphs
+        self._paced: PacedSystem | None = made if scene.fluids or scene.implicit else None
         self._seen: dict[str, Any] = {}
 
     def _make_system(self, numbers: Any, graphs: bool, announce: Callable[[str], None] | None) -> Any:
         """The scene's elastic bodies or its fluids, with their kernels loaded."""
         from warp_mps.core.device import load_modules
+        from warp_mps.elastic.implicit.kernels import declare_implicit
+        from warp_mps.elastic.implicit.static import StaticSolid
+        from warp_mps.elastic.implicit.theta import ImplicitSolid
         from warp_mps.elastic.solid import Solid, declare_kernels
         from warp_mps.fluid import fluids
         from warp_mps.rigid.poses import declare_rigid
@@ -96,7 +102,14 @@ class Simulation:
         modules = declare_kernels(numbers)
         if self.scene.walls:
             modules.append(declare_rigid(numbers))
+        if self.scene.implicit:
+            modules += declare_implicit(numbers)
         load_modules(modules, self._device, announce)
+        if self.scene.analysis == "static":
+            return StaticSolid(self.scene, self.particles, kit=numbers, device=self._device, graphs=graphs)
+        if self.scene.implicit:
+            dt = self.clock.dt
+            return ImplicitSolid(self.scene, self.particles, dt=dt, kit=numbers, device=self._device, graphs=graphs)
         return Solid(self.scene, self.particles, dt=self.clock.dt, kit=numbers, device=self._device)
 
     @property
@@ -170,16 +183,24 @@ class Simulation:
             "unsolved": done.stagnated + done.exhausted,
         }
 
+    def implicit_record(self) -> dict[str, float]:
+        """Of implicit elastic bodies, what their solvers did; see `warp_mps.elastic.implicit.records`."""
+        from warp_mps.elastic.implicit.static import StaticSolid
+        from warp_mps.elastic.implicit.theta import ImplicitSolid
+
+        return self._system.record() if isinstance(self._system, StaticSolid | ImplicitSolid) else {}
+
     def advance(self, steps: int) -> None:
         """Advance by a number of time steps.
 
         An interrupt (Ctrl-C) takes effect between two blocks of steps, so that `step` is that of the state.
 
         Raises:
+            RunError: A step, or an equilibrium, could not be solved.
             RuntimeError: An earlier failure within a step has ended the threads; `restore` starts new ones.
         """
         self._seen.clear()
-        blocks, rest = divmod(steps, BLOCK) if not self.scene.fluids else (0, steps)
+        blocks, rest = divmod(steps, BLOCK) if not self._paced else (0, steps)
         for block in itertools.chain(itertools.repeat(BLOCK, blocks), itertools.repeat(1, rest)):
             with hold_interrupts():
                 self._replay(block)
@@ -307,9 +328,9 @@ class Simulation:
         """Run some steps as one graph, captured when it is first needed."""
         import warp as wp
 
-        if self.scene.fluids:
+        if self._paced:
             for step in range(self.step, self.step + steps):
-                self.fluids.advance(self.clock.time(step + 1))
+                self._paced.advance(self.clock.time(step + 1))
         elif self._team:
             self._team.run(steps)
         elif self._use_graphs:

@@ -62,3 +62,10 @@ class System(Protocol):
 
     def assign(self, arrays: dict[str, np.ndarray]) -> None:
         """Continue from arrays that `arrays` gave."""
+
+
+class PacedSystem(System, Protocol):
+    """A system that decides within a step how it goes on, so that no step of it can be replayed as a whole."""
+
+    def advance(self, time: float) -> None:
+        """Advance to a time [s], or in statics to a load factor."""

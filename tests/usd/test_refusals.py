@@ -72,6 +72,9 @@ def refusal(path: Path, **options: Any) -> InputError:
         ({"Scene": ("int mps:dimension = 4",)}, "/Scene", "mps:dimension", "must be one of: 2, 3"),
         ({"Scene": ("double mps:dimension = 2",)}, "/Scene", "mps:dimension", "must be int, not double"),
         ({"Scene": ('token mps:contact = "some"',)}, "/Scene", "mps:contact", "must be one of: none, bodies, all"),
+        ({"Scene": ('token mps:analysis = "modal"',)}, "/Scene", "mps:analysis", "must be one of: dynamic, static"),
+        ({"Scene": ("int mps:loadSteps = 0",)}, "/Scene", "mps:loadSteps", "at least 1"),
+        ({"Scene": ("double mps:theta = 0.4",)}, "/Scene", "mps:theta", "between 0.5 and 1"),
         ({"Scene": ("double mps:courant = 0",)}, "/Scene", "mps:courant", "above 0"),
         ({"Scene": ("double mps:effectiveRadius = 9",)}, "/Scene", "mps:effectiveRadius", "between 1.1 and 5"),
         (

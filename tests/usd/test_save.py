@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from pxr import Usd, UsdGeom, UsdPhysics
 
+from tests.scenes import block
 from tests.shapes.surfaces import cube
 from warp_mps.errors import InputError
 from warp_mps.scene import (
@@ -128,7 +129,7 @@ def rich_scene(dimension: int, frame: StageFrame | None) -> Scene:
         gravity=pad((1.0, -9.75), dimension), elasticity=Elasticity(effective_radius=2.6, normalization="particle"),
         contact=Contact(between="all", stiffness=0.5, friction=0.2), damping=0.25,
         outputs=("von_mises", "stress"), frame_rate=50.0, sample_rate=400.0,
-        time_step=1.2345678901e-6, courant=0.2,
+        time_step=1.2345678901e-6, courant=0.2, load_steps=7, theta=0.75,
     )  # fmt: skip
 
 
@@ -214,3 +215,12 @@ def test_refusals(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(InputError, match="'first mode' is no prim name"):
         save_stage(dataclasses.replace(scene, probes=(*scene.probes, probe)), tmp_path / "rich.usda")
     assert capfd.readouterr() == ("", "")
+
+
+@pytest.mark.parametrize("fields", [{"analysis": "static"}, {"integrator": "implicit", "time_step": 1e-3}])
+def test_how_bodies_are_advanced_is_read_back(tmp_path: Path, fields: dict[str, Any]) -> None:
+    scene = Scene(bodies=(block(2),), duration=1.0, **fields)
+    save_stage(scene, tmp_path / "case.usda")
+    back = read_stage(tmp_path / "case.usda")
+    assert {name: getattr(back, name) for name in fields} == fields
+    assert back.implicit

@@ -43,7 +43,7 @@ def show_check(scene: Scene) -> int:
     Raises:
         InputError: The bodies, supports, loads or probes do not fit the particles, or there is not enough memory.
     """
-    cost, clock = estimate(scene), Clock(scene)
+    cost, clock, static = estimate(scene), Clock(scene), scene.analysis == "static"
     table = _table("", "")
     table.show_header = False
     table.add_row("case", f"{scene.name} ({_kind(scene)})")
@@ -51,10 +51,12 @@ def show_check(scene: Scene) -> int:
         table.add_row(f"particles of {name}", f"{count}")
     table.add_row("neighbours of a particle", f"{cost.neighbours}")
     note = "" if cost.dt <= cost.dt_limit else f"  ABOVE THE LIMIT of {cost.dt_limit:.4g} s: will be unstable"
-    table.add_row("longest time step" if scene.fluids else "time step", f"{cost.dt:.4g} s{note}")
+    step = "longest time step" if scene.fluids else "load step" if static else "time step"
+    table.add_row(step, f"{cost.dt:.4g}{'' if static else ' s'}{note}")
     table.add_row("steps at least, frames" if scene.fluids else "steps, frames", f"{cost.steps}, {cost.frames}")
     rates = (1.0 / (every * clock.dt) for every in (clock.frame_every, clock.sample_every))
-    table.add_row("frames, rows of probes.csv a second", ", ".join(f"{rate:.6g}" for rate in rates))
+    if not static:
+        table.add_row("frames, rows of probes.csv a second", ", ".join(f"{rate:.6g}" for rate in rates))
     available = available_memory()
     note = "" if cost.memory <= available else "  TOO MUCH: will be refused"
     table.add_row("memory", f"{_bytes(cost.memory)} of {_bytes(available)} available{note}")

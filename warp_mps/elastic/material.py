@@ -48,14 +48,14 @@ def stable_time_step(body: Body, scene: Scene) -> float:
     smallest density among all that is joined. That held for every pattern of two materials that was tried; particles
     in a checkerboard of a stiff and a light material need it almost in full.
     """
-    lightest = min(material.density for other in _joined(body, scene) for material in other.materials)
+    lightest = min(material.density for other in joined(body, scene) for material in other.materials)
     return min(
         _stable_time_step(replace(material, density=min(material.density, JOINED * lightest)), body.spacing, scene)
         for material in body.materials
     )
 
 
-def _joined(body: Body, scene: Scene) -> list[Body]:
+def joined(body: Body, scene: Scene) -> list[Body]:
     """The bodies that a body is bonded to, directly or through others, and itself."""
     found = [body]
     for one in found:  # grows as it is gone through

@@ -88,6 +88,7 @@ class _Reader:
         options = values.fields(
             *("mps:duration", "mps:planeModel", "mps:frameRate", "mps:sampleRate"),
             *("mps:timeStep", "mps:courant", "mps:damping", "mps:outputs"),
+            *("mps:analysis", "mps:loadSteps", "mps:integrator", "mps:theta"),
         )
         contact = values.fields("mps:contact", "mps:contactStiffness", "mps:friction")
         renamed = {"contact": "between", "contact_stiffness": "stiffness", "friction": "friction"}
