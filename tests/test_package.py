@@ -22,11 +22,14 @@ def test_what_is_not_public_is_an_attribute_error() -> None:
         _ = warp_mps.nothing
 
 
-def test_the_first_simulation_of_the_readme_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    (code,) = re.findall(r"```python\n(.*?)```", README.read_text(encoding="utf-8"), re.DOTALL)
+@pytest.mark.parametrize(("number", "folder"), [(0, "first"), (1, "dam")])
+def test_the_first_simulations_of_the_readme_run(
+    number: int, folder: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    code = re.findall(r"```python\n(.*?)```", README.read_text(encoding="utf-8"), re.DOTALL)[number]
     assert len([line for line in code.splitlines() if line.strip()]) <= 9
     monkeypatch.chdir(tmp_path)
     scope: dict = {}
     exec(code, scope)
     assert scope["summary"].status == "done"
-    assert Path("runs/first/run.usdc").exists()
+    assert Path(f"runs/{folder}/run.usdc").exists()
