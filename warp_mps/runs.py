@@ -17,6 +17,7 @@ from warp_mps import __version__
 from warp_mps.cost import refuse_too_large
 from warp_mps.errors import InputError, RunError
 from warp_mps.fluid_checks import remarks
+from warp_mps.locks import lock_folder
 from warp_mps.observers import checkpoint as checkpoint_file
 from warp_mps.observers.base import Observer
 from warp_mps.observers.checkpoint import Checkpoint, CheckpointWriter, load_checkpoint
@@ -59,32 +60,33 @@ def run_scene(
         What run.json holds.
 
     Raises:
-        InputError: The scene cannot be run, or the folder not be used.
+        InputError: The scene cannot be run, or the folder not be used, e.g. as another run is at work in it.
         RunError: The run had to be stopped; what was computed is kept, and run.json says why.
         KeyboardInterrupt: It was interrupted; likewise.
     """
     folder = Path(folder)
     if device == "cpu":
         refuse_too_large(scene)
-    checkpoint = _claim(folder, scene, precision, overwrite=overwrite, resume=resume)
-    progress = Progress(every=1, quiet=quiet)
-    announce = None if quiet else _say
-    simulation = Simulation(scene, device=device, precision=precision, threads=threads, announce=announce)
-    longest, limit = simulation.longest_step
-    if longest > limit:
-        _say(f"the time step of {longest:.4g} s is above the limit of {limit:.4g} s: expect an unstable run")
-    for line in [] if quiet else remarks(scene):
-        _say(line)
-    if checkpoint is not None:
-        simulation.restore(checkpoint.arrays)
-        if simulation.step > simulation.total_steps:
-            reason = f"its checkpoint is at {checkpoint.time:.6g} s, past the end of {scene.duration:.6g} s"
-            raise InputError(str(folder), "", f"cannot be resumed: {reason}")
-    try:
-        run = _Run(simulation, folder, progress, resumed=checkpoint is not None)
-    except OSError as error:
-        raise InputError(str(folder), "", f"cannot be written: {error.strerror}") from error
-    return run.execute()
+    with lock_folder(folder):
+        checkpoint = _claim(folder, scene, precision, overwrite=overwrite, resume=resume)
+        progress = Progress(every=1, quiet=quiet)
+        announce = None if quiet else _say
+        simulation = Simulation(scene, device=device, precision=precision, threads=threads, announce=announce)
+        longest, limit = simulation.longest_step
+        if longest > limit:
+            _say(f"the time step of {longest:.4g} s is above the limit of {limit:.4g} s: expect an unstable run")
+        for line in [] if quiet else remarks(scene):
+            _say(line)
+        if checkpoint is not None:
+            simulation.restore(checkpoint.arrays)
+            if simulation.step > simulation.total_steps:
+                reason = f"its checkpoint is at {checkpoint.time:.6g} s, past the end of {scene.duration:.6g} s"
+                raise InputError(str(folder), "", f"cannot be resumed: {reason}")
+        try:
+            run = _Run(simulation, folder, progress, resumed=checkpoint is not None)
+        except OSError as error:
+            raise InputError(str(folder), "", f"cannot be written: {error.strerror}") from error
+        return run.execute()
 
 
 class _Run:

@@ -1,0 +1,92 @@
+"""A folder that belongs to one run at a time."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+from collections.abc import Iterator
+from pathlib import Path
+
+from warp_mps.errors import InputError
+
+NAME = ".lock"
+
+
+@contextlib.contextmanager
+def lock_folder(folder: Path) -> Iterator[None]:
+    """Keep other runs out of a folder, which is made if need be.
+
+    The lock is the system's (flock), so that it ends with the process, however that dies. Where the system or the
+    file system has none, and where the folder cannot be written, there is no lock. Nothing is left behind: neither the
+    file that is locked nor, if it is still empty, a folder that was made.
+
+    Raises:
+        InputError: Another run is at work in the folder.
+    """
+    made = _make(folder)
+    try:
+        handle = _lock(folder)
+        try:
+            yield
+        finally:
+            if handle is not None:
+                # removed while it is still held: who waits with the old file in hand finds that it is gone
+                (folder / NAME).unlink(missing_ok=True)
+                os.close(handle)
+    finally:
+        with contextlib.suppress(OSError):
+            for part in made:
+                part.rmdir()
+
+
+def _make(folder: Path) -> list[Path]:
+    """Make a folder; the folders that were not there, the innermost first."""
+    missing = []
+    for part in (folder, *folder.parents):
+        if part.exists():
+            break
+        missing.append(part)
+    # whoever needs the folder says why it cannot be made
+    with contextlib.suppress(OSError):
+        folder.mkdir(parents=True, exist_ok=True)
+    return missing
+
+
+def _lock(folder: Path) -> int | None:
+    """Lock a folder; the open file that holds the lock, or None where there are no locks.
+
+    Raises:
+        InputError: Another run holds it.
+    """
+    try:
+        import fcntl
+    except ImportError:  # Windows
+        return None
+    while True:
+        try:
+            handle = os.open(folder / NAME, os.O_RDWR | os.O_CREAT, 0o666)
+        except OSError:
+            return None
+        try:
+            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            if _is_current(handle, folder / NAME):
+                os.ftruncate(handle, 0)
+                os.write(handle, str(os.getpid()).encode())
+                return handle
+        except BlockingIOError:
+            holder = os.read(handle, 20).decode(errors="replace").strip()
+            os.close(handle)
+            who = f"process {holder}" if holder.isdigit() else "another process"
+            raise InputError(str(folder), "", f"is in use by the run of {who}; give another folder or wait") from None
+        except OSError:  # a file system without locks, or a full one
+            os.close(handle)
+            return None
+        os.close(handle)
+
+
+def _is_current(handle: int, path: Path) -> bool:
+    """Whether a file that was opened is still the one of that name: its last owner may have removed it."""
+    try:
+        return os.path.samestat(os.fstat(handle), path.stat())
+    except FileNotFoundError:
+        return False
