@@ -7,15 +7,15 @@ support that holds nothing, a probe outside every body) is checked where they ar
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from warp_mps import scene as sc
-from warp_mps.components import component_names
-from warp_mps.fluid_checks import check_fluids, check_probed_fluid, check_velocity_field, probe_quantities
+from warp_mps.fluid_checks import check_fluids, check_velocity_field
 from warp_mps.implicit_checks import check_implicit
+from warp_mps.record_checks import check_measurement, check_probe, names_of_bodies
 from warp_mps.requirements import choice as _choice
 from warp_mps.requirements import in_range as _range
 from warp_mps.requirements import place
@@ -25,7 +25,7 @@ from warp_mps.requirements import vector as _vector
 from warp_mps.spline import table_values
 
 if TYPE_CHECKING:
-    from warp_mps.scene import Body, Fluid, Load, Material, Measurement, Probe, Scene, Support, Wall
+    from warp_mps.scene import Body, Fluid, Load, Material, Scene, Support, Wall
 
 __all__ = ["check_scene", "place"]
 
@@ -61,9 +61,9 @@ def check_scene(scene: Scene) -> None:
     for load in scene.loads:
         _load(scene, load)
     for probe in scene.probes:
-        _probe(scene, probe)
+        check_probe(scene, probe)
     for measurement in scene.measurements:
-        _measurement(scene, measurement)
+        check_measurement(scene, measurement)
 
 
 def _scene_numbers(scene: Scene) -> None:
@@ -136,7 +136,7 @@ def _body(scene: Scene, body: Body) -> None:
     for part in body.parts:
         _material(part.material, scene, place(part, "part"))
     _start(scene, body, where)
-    _names(body.bonded_to, scene, where, "bonded_to")
+    names_of_bodies(body.bonded_to, scene, where, "bonded_to")
 
 
 def _start(scene: Scene, item: Body | Fluid, where: str) -> None:
@@ -189,7 +189,7 @@ def _support(scene: Scene, support: Support) -> None:
     where = place(support, "support")
     good = all(axis in range(scene.dimension) for axis in support.axes) and len({*support.axes}) == len(support.axes)
     _require(good, where, "axes", f"must be different axes of the scene's {scene.dimension} dimensions")
-    _names(support.bodies, scene, where, "bodies")
+    names_of_bodies(support.bodies, scene, where, "bodies")
     _motion(support.motion, scene, where)
 
 
@@ -247,61 +247,4 @@ def _load(scene: Scene, load: Load) -> None:
             _vector(getattr(load, name), scene.dimension, where, name)
     _range(load.frequency, 0.0, math.inf, where, "frequency")
     _require(math.isfinite(load.phase), where, "phase", "must be finite")
-    _names(load.bodies, scene, where, "bodies")
-
-
-def _probe(scene: Scene, probe: Probe) -> None:
-    where = place(probe, "probe")
-    given = [p for p in (probe.point, probe.region, probe.body, probe.support) if p is not None]
-    _require(len(given) == 1, where, "target", "must be exactly one of a point, a region, a body and a support")
-    _choice(probe.quantity, probe_quantities(probe, scene), where, "quantity")
-    if probe.point is not None:
-        _vector(probe.point, scene.dimension, where, "point")
-    moment = probe.quantity in sc.ABOUT_QUANTITIES
-    reason = f"is missing: a {probe.quantity} needs the point that it is taken about"
-    _require(not moment or probe.about is not None, where, "about", reason)
-    _require(moment or probe.about is None, where, "about", f"needs {' or '.join(sc.ABOUT_QUANTITIES)}")
-    if probe.about is not None:
-        _vector(probe.about, scene.dimension, where, "about")
-    others = {*(wall.name for wall in scene.walls), *(fluid.name for fluid in scene.fluids)}
-    if probe.body is not None and probe.body not in others:
-        _names((probe.body,), scene, where, "target")
-    check_probed_fluid(probe, scene, where)
-    if probe.support is not None:
-        known = [support.name for support in scene.supports]
-        _require(probe.support in known, where, "target", f"names no support: {probe.support!r}")
-
-
-def _measurement(scene: Scene, measurement: Measurement) -> None:
-    where = place(measurement, "measurement")
-    _choice(measurement.measure, sc.MEASURES, where, "measure")
-    known = {probe.name: probe for probe in scene.probes}
-    _require(measurement.probe in known, where, "probe", f"names no probe: {measurement.probe!r}")
-    own = sc.PROBE_UNITS[known[measurement.probe].quantity][scene.dimension - 2]
-    _choice(measurement.unit, ("", *sc.MEASURE_UNITS.get(measurement.measure, (own,))), where, "unit")
-    names = component_names(known[measurement.probe].quantity, scene.frame.axes)
-    good = 0 <= measurement.component < max(len(names), 1)
-    reason = f"must be one of the {len(names)} components of its probe" if names else "must be 0: its probe has but one"
-    _require(good, where, "component", reason)
-    end = scene.duration if measurement.end is None else measurement.end
-    good = 0.0 <= measurement.start < end
-    _require(good, where, "start", f"is {measurement.start:g} s, must lie before the end, {end:g} s")
-    needed = measurement.measure in sc.AT_MEASURES
-    _require(needed or measurement.at is None, where, "at", f"is of the measures {' and '.join(sc.AT_MEASURES)}")
-    if needed:
-        good = measurement.at is not None and math.isfinite(measurement.at)
-        _require(good, where, "at", f"is {measurement.at}, must be a number: {measurement.measure} needs it")
-    if measurement.measure == "value_at":
-        good = measurement.start <= (measurement.at or 0.0) <= end
-        reason = f"is {measurement.at:g} s, must lie between {measurement.start:g} and {end:g} s"
-        _require(good, where, "at", reason)
-    if measurement.measure.startswith("harmonic"):
-        _positive(measurement.frequency, where, "frequency")
-    if measurement.reference is not None:
-        _require(math.isfinite(measurement.reference), where, "reference", "must be finite")
-
-
-def _names(names: Iterable[str], scene: Scene, where: str, attribute: str) -> None:
-    known = [body.name for body in scene.bodies]
-    for name in names:
-        _require(name in known, where, attribute, f"names no body: {name!r}")
+    names_of_bodies(load.bodies, scene, where, "bodies")
