@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -175,13 +176,34 @@ def test_an_interrupt_ends_cleanly(tmp_path: Path) -> None:
 
 
 def test_bench_prints_speeds_and_shares(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["bench", "--sizes", "100", "--dimensions", "2", "--precisions", "float64"]) == 0
+    options = ["--sizes", "100", "--of", "elastic", "--dimensions", "2", "--precisions", "float64"]
+    assert main(["bench", *options]) == 0
     text = capsys.readouterr().out
     assert "particle-step" in text
     for model, kernel in (("hamiltonian", "stress"), ("springs", "pressure")):
         (line,) = (line for line in text.splitlines() if model in line)
         assert kernel in line
         assert "force" in line
+
+
+@pytest.mark.parametrize(("dimension", "size", "count"), [(2, 100, "98"), (3, 60, "54")])
+def test_bench_of_fluids_prints_speeds_and_shares(
+    dimension: int, size: int, count: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COLUMNS", "300")
+    options = ["--sizes", f"{size}", "--of", "fluids", "--dimensions", f"{dimension}", "--precisions", "float64"]
+    assert main(["bench", *options]) == 0
+    head, line = capsys.readouterr().out.splitlines()
+    assert "elastic" not in head
+    assert re.split(r"\s+", line.strip())[:2] == [f"{dimension}-D", count]
+    values = dict(zip(re.split(r"\s{2,}", head.strip()), re.split(r"\s{2,}", line.strip()), strict=True))
+    milliseconds, millions = float(values["ms a step"]), float(values["million/s"])
+    assert milliseconds * millions == pytest.approx(int(count) / 1e3, rel=0.01)
+    assert 0.0 < float(values["residual"]) <= 1e-4
+    assert float(values["iterations a solve"]) >= 1.0
+    parts = dict(re.findall(r"([a-z ]+) (\d+) %", values["share of each part"]))
+    assert {"search", "assembly", "pressure solve", "forces", "collisions"} <= {name.strip() for name in parts}
+    assert sum(map(int, parts.values())) == pytest.approx(100, abs=4)
 
 
 def test_validate_prints_measured_beside_reference(capsys: pytest.CaptureFixture[str]) -> None:

@@ -35,7 +35,8 @@ def predicted(fluids: Fluids, dt: float = DT) -> np.ndarray:
     w = wall_count(fluids)
     before = fluids.state.u.numpy().astype(float)[w:]
     fluids._dt.assign([dt])
-    fluids._predict()
+    fluids._slow()
+    fluids._move()
     return (fluids.state.u.numpy().astype(float)[w:] - before) / dt
 
 
@@ -45,7 +46,9 @@ def finished(fluids: Fluids, dt: float = DT) -> np.ndarray:
     before = fluids.state.u.numpy().astype(float)[w:]
     fluids._dt.assign([dt])
     fluids.state.p.zero_()
-    fluids._correct()
+    fluids._push()
+    fluids._collide()
+    fluids._finish()
     return fluids.state.u.numpy().astype(float)[w:] - before
 
 

@@ -19,7 +19,8 @@ SHAKEN = {"motion": HarmonicMotion(amplitude=(0.0, 0.0), frequency=1.0)}
 def assembled(fluids: Fluids) -> Fluids:
     """The fluids after a solve over DT, their state otherwise as it was."""
     fluids._dt.assign([DT])
-    fluids._solve()
+    fluids._assemble()
+    fluids._project()
     return fluids
 
 

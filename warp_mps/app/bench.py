@@ -16,6 +16,8 @@ from warp_mps.scene import Body, Elasticity, Material, Scene
 from warp_mps.shapes import Box
 from warp_mps.simulation import Simulation
 
+# numbers of particles, where none are asked for
+SIZES = (1_000, 10_000, 100_000, 1_000_000)
 # seconds that each figure is measured for, in rounds of which the fastest counts: the others were disturbed
 ROUND_SECONDS = 0.5
 ROUNDS = 3
@@ -33,7 +35,7 @@ def bench_solid(
     """Measure an elastic block of each model, size, dimension and precision and print a table.
 
     Args:
-        sizes: Numbers of particles.
+        sizes: Numbers of particles; none means those of `SIZES`.
         models: Elastic models.
         dimensions: 2, 3 or both.
         precisions: ``float64``, ``float32`` or both.
@@ -53,7 +55,7 @@ def bench_solid(
     ):
         table.add_column(column, justify="right", no_wrap=True)
     table.add_column("share of each kernel")
-    for model, dimension, size, precision in itertools.product(models, dimensions, sizes, precisions):
+    for model, dimension, size, precision in itertools.product(models, dimensions, sizes or SIZES, precisions):
         scene = block(model, dimension, size)
         if memory_of(scene, size) > available_memory():
             print(f"warp-mps: {size} particles in {dimension}-D do not fit into memory, left out", file=sys.stderr)

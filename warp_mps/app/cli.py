@@ -19,6 +19,7 @@ from warp_mps import __version__
 from warp_mps.errors import InputError, RunError
 
 MODELS: tuple[Literal["hamiltonian", "springs"], ...] = ("hamiltonian", "springs")
+SUBJECTS: tuple[Literal["elastic", "fluids"], ...] = ("elastic", "fluids")
 PRECISIONS: tuple[Literal["float64", "float32"], ...] = ("float64", "float32")
 Case = Annotated[str, arg(metavar="CASE", help="Path of a stage, or the name of a shipped case (see list).")]
 Device = Annotated[str, arg(metavar="DEVICE", help="cpu, or a CUDA device such as cuda:0.")]
@@ -91,27 +92,29 @@ def validate(
 
 
 def bench(
-    sizes: Annotated[tuple[int, ...], arg(metavar="N", help="Numbers of particles.")] = (
-        1_000,
-        10_000,
-        100_000,
-        1_000_000,
-    ),
+    sizes: Annotated[
+        tuple[int, ...],
+        arg(metavar="N", help="Numbers of particles; by default 1e3 to 1e6, of fluids 1e3 to 1e5, in 3-D 3e4."),
+    ] = (),
     *,
+    of: Annotated[tuple[Literal["elastic", "fluids"], ...], arg(help="What is measured.")] = SUBJECTS,
     device: Device = "cpu",
     models: Annotated[tuple[Literal["hamiltonian", "springs"], ...], arg(help="Elastic models.")] = MODELS,
     dimensions: Annotated[tuple[Literal[2, 3], ...], arg(help="Dimensions.")] = (2, 3),
     precisions: Annotated[tuple[Literal["float64", "float32"], ...], arg(help="Number types.")] = PRECISIONS,
     threads: Threads = 1,
 ) -> int:
-    """Measure the speed: particle-steps a second of an elastic block, and the share of each kernel. Takes minutes."""
+    """Measure the speed of an elastic block and of a dam break: particle-steps a second, shares. Takes minutes."""
     from warp_mps.app.bench import bench_solid
+    from warp_mps.app.bench_fluids import bench_fluids
 
-    if min(sizes, default=0) < 1:
+    if min(sizes, default=1) < 1:
         raise InputError("--sizes", "", f"is {sizes}, must be whole numbers from 1 on")
-    return bench_solid(
-        sizes, models=models, dimensions=dimensions, precisions=precisions, device=device, threads=threads
-    )
+    if "elastic" in of:
+        bench_solid(sizes, models=models, dimensions=dimensions, precisions=precisions, device=device, threads=threads)
+    if "fluids" in of:
+        bench_fluids(sizes, dimensions=dimensions, precisions=precisions, device=device)
+    return 0
 
 
 COMMANDS: dict[str, Callable[..., int]] = {

@@ -1,6 +1,7 @@
 """The fluids of a scene on a device, between its walls: one step of them, and what can be asked of them."""
 
 import math
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -136,7 +137,7 @@ class Fluids(FluidReadings):
     def advance(self, time: float) -> int:
         """Advance to a time [s], and return the number of steps that it took."""
         before = float(self.state.time.numpy()[0])
-        self._target.assign([time])
+        self.aim(time)
         self.state.impulse.zero_()
         first = int(self.state.steps.numpy()[0])
         self._velocities_before, self._interval = self.velocities(), time - before
@@ -150,6 +151,10 @@ class Fluids(FluidReadings):
             self._sort()
         return steps - first
 
+    def aim(self, time: float) -> None:
+        """Set the time that steps go towards [s]."""
+        self._target.assign([time])
+
     def _launch_step(self) -> None:
         if not self._graphs:
             self.step()
@@ -162,14 +167,23 @@ class Fluids(FluidReadings):
 
     def step(self) -> None:
         """Advance by one step towards the target time."""
-        self._plan()
-        self._predict()
-        self._place(self._time_after)
-        self.lists.update(self.state.x, self.state.lost)
-        self._solve()
-        self._correct()
-        _, _, motion = self._kernels
-        self._launch(motion.tick, 1, [self._time_after], [self.state.time, self.state.steps])
+        for _, launch in self.phases:
+            launch()
+
+    @property
+    def phases(self) -> tuple[tuple[str, Callable[[], None]], ...]:
+        """What a step does, in order: the name of the part of the method, and what launches it."""
+        return (
+            ("rest", self._plan),
+            ("viscosity", self._slow),
+            ("rest", self._move),
+            ("search", lambda: self.lists.update(self.state.x, self.state.lost)),
+            ("assembly", self._assemble),
+            ("pressure solve", self._project),
+            ("forces", self._push),
+            ("collisions", self._collide),
+            ("rest", self._finish),
+        )
 
     def _plan(self) -> None:
         state, motion = self.state, self._kernels[2]
@@ -177,7 +191,8 @@ class Fluids(FluidReadings):
         inputs = [self._longest, self._courant * self._spacing, self._speeds, self._target, state.time]
         self._launch(motion.plan, 1, inputs, [self._dt, self._way, self._left, self._time_after])
 
-    def _predict(self) -> None:
+    def _slow(self) -> None:
+        """Viscous accelerations."""
         state, motion, lists = self.state, self._kernels[2], self.lists
         if self._viscosity > 0.0:
             factor = self._viscosity * self.operators.laplacian
@@ -191,9 +206,14 @@ class Fluids(FluidReadings):
                 u = self._implicit.u
             inputs = [*head, *tail, state.x, u, state.lost, self._mirrored]
             self._launch(motion.viscosity, len(state.x), inputs, [self._acceleration])
-        mass = self._density * self._volume
+
+    def _move(self) -> None:
+        """The predictor, and the moving walls."""
+        state, mass = self.state, self._density * self._volume
         inputs = [self._walls, self._gravity, mass, self._dt, self._acceleration, state.lost]
-        self._launch(motion.predict, len(state.x), inputs, [state.x, state.u, state.impulse, state.work])
+        outputs = [state.x, state.u, state.impulse, state.work]
+        self._launch(self._kernels[2].predict, len(state.x), inputs, outputs)
+        self._place(self._time_after)
 
     def _place(self, time: wp.array) -> None:
         """Place the moving walls."""
@@ -203,8 +223,8 @@ class Fluids(FluidReadings):
                 state = self.state
                 self._poses.place(first, count, self._wall, self._reference, state.x, state.u, state.a)
 
-    def _solve(self) -> None:
-        """Pressures that keep the fluid's density."""
+    def _assemble(self) -> None:
+        """The pressure Poisson equation."""
         state, ops, matrix = self.state, self.operators, self._matrix
         pressure = self._kernels[0]
         assert matrix.singular is not None
@@ -219,6 +239,10 @@ class Fluids(FluidReadings):
         self._launch(
             pressure.assemble, self._m, inputs, [state.p, state.n, self._scale, *rows, self._rhs, matrix.singular]
         )
+
+    def _project(self) -> None:
+        """Pressures that keep the fluid's density."""
+        state, matrix, pressure = self.state, self._matrix, self._kernels[0]
         self._solver.solve(matrix, self._rhs, state.p)
         self._launch(pressure.least, len(self._floors), [CHUNK, state.p], [self._floors])
         self._launch(pressure.lift, self._m, [self._clip, matrix.singular, self._floors], [state.p])
@@ -229,9 +253,9 @@ class Fluids(FluidReadings):
         g = float(np.linalg.norm(self._gravity_host))
         return math.sqrt(self._spacing / g) if g > 0.0 else 50.0 * self._longest
 
-    def _correct(self) -> None:
-        """Velocities and positions by the pressure, then collisions and shifts."""
-        state, ops, lists, mass = self.state, self.operators, self.lists, self._density * self._volume
+    def _push(self) -> None:
+        """Velocities and positions by the pressure."""
+        state, ops, lists = self.state, self.operators, self.lists
         _, gradient, motion = self._kernels
         head = [self._scheme, self._clip, lists.period, ops.radius, self._slope, self._density]
         inputs = [self._walls, *head, self._gravity, self._relaxation, *self._listed(), self._dt, state.x, state.a]
@@ -240,6 +264,11 @@ class Fluids(FluidReadings):
         inputs += [state.a, state.p, self._scale]
         self._launch(gradient.push_walls, self._walls, inputs, [state.impulse, state.work])
         self._launch(motion.apply, self._m, [self._walls, self._dt, self._du], [state.x, state.u])
+
+    def _collide(self) -> None:
+        """Collisions and shifts, which `_finish` applies."""
+        state, ops, lists, motion = self.state, self.operators, self.lists, self._kernels[2]
+        mass = self._density * self._volume
         inputs = [self._walls, lists.period, self._spacing, *self._listed(), state.x, state.u]
         self._launch(motion.collide, self._m, inputs, [self._du])
         if self._shifts:
@@ -247,10 +276,15 @@ class Fluids(FluidReadings):
             self._launch(motion.move_apart, self._m, [*inputs, state.x, self._way, self._matrix.active], [self._shift])
         inputs = [lists.period, self._spacing, mass, *self._listed(), state.x, state.u]
         self._launch(motion.collide_walls, self._walls, inputs, [state.impulse, state.work])
+
+    def _finish(self) -> None:
+        """Collisions, shifts, periods and losses, and the clock."""
+        state, motion = self.state, self._kernels[2]
         low, high = self._kit.vec(*self._low), self._kit.vec(*self._high)
-        inputs = [self._walls, low, high, lists.period, self._gravity, self._dt, self._du, self._shift]
+        inputs = [self._walls, low, high, self.lists.period, self._gravity, self._dt, self._du, self._shift]
         outputs = [state.x, state.u, state.lost, state.stale, state.fallen]
         self._launch(motion.finish, self._m, inputs, outputs)
+        self._launch(motion.tick, 1, [self._time_after], [state.time, state.steps])
 
     def _sort(self) -> None:
         """Put the fluid's particles in the order of the cells that they are in: what is near is then near in memory."""

@@ -116,6 +116,11 @@ class FluidReadings:
             return f"{self.lost()} of {self._m} fluid particles have left the domain: there is a leak"
         return None
 
+    @property
+    def time(self) -> float:
+        """Time that the fluids have come to [s]."""
+        return float(self.state.time.numpy()[0])
+
     def lost(self) -> int:
         """Number of particles that have left the domain."""
         return int(self.state.lost.numpy().sum())
