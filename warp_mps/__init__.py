@@ -1,4 +1,4 @@
-"""warp_mps: elastic structures by the Moving Particle Semi-implicit method (MPS), as NVIDIA Warp kernels.
+"""warp_mps: elastic structures and water by the Moving Particle Semi-implicit method (MPS), in NVIDIA Warp.
 
 A case is a USD stage or a `Scene` made in Python; a result is a USD animation. A first simulation::
 

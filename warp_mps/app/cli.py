@@ -151,7 +151,7 @@ def _dispatch(arguments: list[str]) -> Any:
     return tyro.extras.subcommand_cli_from_dict(
         COMMANDS,
         prog="warp-mps",
-        description="Elastic structures by the Moving Particle Semi-implicit method: USD stage in, USD animation out.",
+        description="Elastic structures and water by the Moving Particle Semi-implicit method: USD in and out.",
         args=arguments,
         config=(OmitArgPrefixes, FlagCreatePairsOff),
     )
