@@ -103,6 +103,36 @@ def test_the_summary_says_how_a_run_ended(
     assert read_history(tmp_path / "probes.csv").last_time > 0.0
 
 
+@pytest.mark.parametrize("name", ["probes.csv", "run.usdc"])
+def test_a_run_is_not_resumed_with_a_gap(scene: Scene, tmp_path: Path, name: str) -> None:
+    """The rows or frames end before the checkpoint, as after a loss of power or a mix of two runs' files."""
+    early, late = tmp_path / "early", tmp_path / "late"
+    run_scene(replace(scene, duration=0.002), early, quiet=True)
+    run_scene(replace(scene, duration=0.004), late, quiet=True)
+    (late / name).write_bytes((early / name).read_bytes())
+    with pytest.raises(InputError, match=rf"{name}: lacks the (row|frame) at .* to continue from"):
+        run_scene(scene, late, quiet=True, resume=True)
+
+
+def test_a_damaged_checkpoint_is_one_line_and_a_longer_way(
+    scene: Scene, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    whole, parts = tmp_path / "whole", tmp_path / "parts"
+    run_scene(scene, whole, quiet=True)
+    run_scene(replace(scene, duration=0.003), parts, quiet=True, checkpoint_interval=0.0)
+    (parts / "checkpoint.npz").write_bytes((parts / "checkpoint.npz").read_bytes()[:-100])
+    run_scene(scene, parts, quiet=True, resume=True)
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.endswith("checkpoint.npz is damaged; going on from checkpoint.prev.npz, at 0.002 s")
+    assert (whole / "probes.csv").read_text() == (parts / "probes.csv").read_text()
+    assert frames(whole).keys() == frames(parts).keys()
+
+
+def test_an_interval_that_is_none_is_refused(scene: Scene, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="checkpoint_interval: is -1, must be 0 or more seconds"):
+        run_scene(scene, tmp_path / "out", checkpoint_interval=-1.0)
+
+
 def test_overwriting_leaves_nothing_of_the_run_before(scene: Scene, tmp_path: Path) -> None:
     run_scene(scene, tmp_path, quiet=True)
     run_scene(replace(scene, duration=0.001), tmp_path, quiet=True, overwrite=True)

@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from warp_mps import __version__
+from warp_mps.core.interrupts import hold_interrupts
 from warp_mps.cost import refuse_too_large
 from warp_mps.errors import InputError, RunError
 from warp_mps.fluid_checks import remarks
@@ -42,6 +43,7 @@ def run_scene(
     threads: int = 1,
     overwrite: bool = False,
     resume: bool = False,
+    checkpoint_interval: float = 60.0,
     quiet: bool = False,
 ) -> RunSummary:
     """Simulate a scene and leave run.usdc, probes.csv, run.json and checkpoint.npz in a folder.
@@ -54,6 +56,7 @@ def run_scene(
         threads: CPU threads that share the particles.
         overwrite: Replaces the results that the folder holds.
         resume: Continues from the folder's checkpoint.
+        checkpoint_interval: Wall seconds between two checkpoints; they are taken at frames.
         quiet: Shows no progress.
 
     Returns:
@@ -65,6 +68,8 @@ def run_scene(
         KeyboardInterrupt: It was interrupted; likewise.
     """
     folder = Path(folder)
+    if not checkpoint_interval >= 0.0:
+        raise InputError("", "checkpoint_interval", f"is {checkpoint_interval:g}, must be 0 or more seconds")
     if device == "cpu":
         refuse_too_large(scene)
     with lock_folder(folder):
@@ -83,7 +88,7 @@ def run_scene(
                 reason = f"its checkpoint is at {checkpoint.time:.6g} s, past the end of {scene.duration:.6g} s"
                 raise InputError(str(folder), "", f"cannot be resumed: {reason}")
         try:
-            run = _Run(simulation, folder, progress, resumed=checkpoint is not None)
+            run = _Run(simulation, folder, progress, resumed=checkpoint is not None, interval=checkpoint_interval)
         except OSError as error:
             raise InputError(str(folder), "", f"cannot be written: {error.strerror}") from error
         return run.execute()
@@ -92,7 +97,9 @@ def run_scene(
 class _Run:
     """The observers of a run and its summary, kept up to date until the end."""
 
-    def __init__(self, simulation: Simulation, folder: Path, progress: Progress, *, resumed: bool) -> None:
+    def __init__(
+        self, simulation: Simulation, folder: Path, progress: Progress, *, resumed: bool, interval: float
+    ) -> None:
         scene, particles, clock = simulation.scene, simulation.particles, simulation.clock
         self._simulation, self._folder = simulation, folder
         self._first_step = simulation.steps_done
@@ -126,7 +133,13 @@ class _Run:
                 provenance=_provenance(simulation),
                 resume_after=last_kept(clock.frame_every),
             ),
-            CheckpointWriter(folder, fingerprint(scene, simulation.precision), every=clock.frame_every),
+            CheckpointWriter(
+                folder,
+                fingerprint(scene, simulation.precision),
+                every=clock.frame_every,
+                interval=interval,
+                results=(folder / PROBES, folder / ANIMATION),
+            ),
             progress,
         ]
         counts = np.diff(particles.ranges, axis=1).ravel()
@@ -166,7 +179,7 @@ class _Run:
 
     def _give_up(self, reason: str, begin: float) -> None:
         """Say why in run.json, if that can still be written: the first error counts."""
-        with contextlib.suppress(OSError):
+        with contextlib.suppress(OSError), hold_interrupts():
             self._finish("failed", reason, begin)
 
     def _finish(self, status: str, reason: str, begin: float) -> None:
@@ -194,9 +207,10 @@ class _Run:
 
 
 def fingerprint(scene: Scene, precision: str) -> str:
-    """A hash of everything that decides a run's numbers; how long it runs is not among it."""
+    """A hash of everything that decides a run's numbers; how long it runs is not among it, but for a load's ramp."""
+    duration = scene.duration if scene.analysis == "static" else 1.0
     with np.printoptions(threshold=10**9, precision=17):
-        text = repr((replace(scene, duration=1.0, measurements=(), description="", path="scene"), precision))
+        text = repr((replace(scene, duration=duration, measurements=(), description="", path="scene"), precision))
     return hashlib.sha256(text.encode()).hexdigest()
 
 
@@ -234,7 +248,7 @@ def _claim(folder: Path, scene: Scene, precision: str, *, overwrite: bool, resum
     if folder.exists() and not folder.is_dir():
         raise InputError(str(folder), "", "is a file; the output must be a folder")
     if resume:
-        return load_checkpoint(folder, fingerprint(scene, precision))
+        return load_checkpoint(folder, fingerprint(scene, precision), announce=_say)
     if (folder / SUMMARY).exists() and not overwrite:
         raise InputError(
             str(folder), "", "already has results; use --overwrite to replace or --resume to continue them"

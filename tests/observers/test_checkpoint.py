@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from tests.observers.views import FakeView, blocks, view_of
-from warp_mps.errors import InputError
+from warp_mps.errors import InputError, RunError
 from warp_mps.observers import checkpoint as cp
 
 
@@ -137,3 +137,49 @@ def test_a_state_that_blew_up_is_never_saved(tmp_path: Path, view: FakeView) -> 
 def test_a_writer_that_saw_nothing_writes_nothing(tmp_path: Path) -> None:
     cp.CheckpointWriter(tmp_path, "case", every=1).close()
     assert list(tmp_path.iterdir()) == []
+
+
+def test_any_byte_that_is_altered_is_noticed(tmp_path: Path) -> None:
+    """Or it is one that says nothing, such as the time of day in the container: then all comes back as it was."""
+    arrays = {"x": np.arange(20.0), "count": np.array(3)}
+    cp.save_checkpoint(tmp_path, "case", cp.Checkpoint(1, 0.1, arrays))
+    cp.save_checkpoint(tmp_path, "case", cp.Checkpoint(2, 0.2, arrays))
+    content = (tmp_path / cp.NAME).read_bytes()
+    fallen_back = 0
+    for index in range(len(content)):
+        altered = bytearray(content)
+        altered[index] ^= 0x81
+        (tmp_path / cp.NAME).write_bytes(altered)
+        loaded = cp.load_checkpoint(tmp_path, "case")
+        fallen_back += loaded.step == 1
+        assert loaded.time == loaded.step / 10
+        assert loaded.arrays.keys() == arrays.keys()
+        assert all(np.array_equal(loaded.arrays[name], array) for name, array in arrays.items())
+    assert fallen_back > 0.7 * len(content)
+
+
+def test_the_fallback_is_announced(tmp_path: Path) -> None:
+    said: list[str] = []
+    save(tmp_path, 1)
+    save(tmp_path, 2)
+    cp.load_checkpoint(tmp_path, "case", announce=said.append)
+    assert said == []
+    (tmp_path / cp.NAME).write_bytes(b"PK")
+    cp.load_checkpoint(tmp_path, "case", announce=said.append)
+    assert said == [f"{tmp_path / cp.NAME} is damaged; going on from {cp.PREVIOUS}, at 0.1 s"]
+
+
+def test_a_checkpoint_that_cannot_be_written_leaves_those_before_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    save(tmp_path, 1)
+    save(tmp_path, 2)
+
+    def full(*_: object, **__: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(np, "savez", full)
+    with pytest.raises(RunError, match="cannot be written: No space left"):
+        save(tmp_path, 3)
+    assert cp.load_checkpoint(tmp_path, "case").step == 2
+    assert sorted(path.name for path in tmp_path.iterdir()) == [cp.NAME, cp.PREVIOUS]

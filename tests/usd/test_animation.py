@@ -197,15 +197,18 @@ def test_resuming_drops_later_frames_and_continues(tmp_path: Path, particles: Pa
     assert (stage.GetStartTimeCode(), stage.GetEndTimeCode()) == (0.0, 2.0)
 
 
-def test_resuming_before_the_first_frame_keeps_none(tmp_path: Path, particles: Particles) -> None:
+@pytest.mark.parametrize("after", [0.0, 0.25, 4.0])
+def test_resuming_after_a_frame_that_is_not_there_is_refused(
+    tmp_path: Path, particles: Particles, after: float
+) -> None:
+    """Else the animation would have a gap."""
     animation = writer(tmp_path / "run.usdc", particles)
     write(animation, particles, 2, 3)
     animation.close()
-    animation = resumed(tmp_path / "run.usdc", particles, after=0.0)
-    write(animation, particles, 1)
-    animation.close()
-    stage = Usd.Stage.Open(str(tmp_path / "run.usdc"))
-    assert (stage.GetStartTimeCode(), stage.GetEndTimeCode()) == (1.0, 1.0)
+    before = (tmp_path / "run.usdc").read_bytes()
+    with pytest.raises(InputError, match="lacks the frame at time code"):
+        resumed(tmp_path / "run.usdc", particles, after=after)
+    assert (tmp_path / "run.usdc").read_bytes() == before
 
 
 def test_what_cannot_be_resumed_is_refused(tmp_path: Path, particles: Particles) -> None:

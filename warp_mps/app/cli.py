@@ -58,6 +58,7 @@ def run(
     duration: Duration = None,
     overwrite: Annotated[bool, arg(help="Replace results that the folder holds.")] = False,
     resume: Annotated[bool, arg(help="Continue from the folder's checkpoint.")] = False,
+    checkpoint_interval: Annotated[float, arg(metavar="S", help="Wall seconds between two checkpoints.")] = 60.0,
     quiet: Annotated[bool, arg(help="Show no progress.")] = False,
     changes: Changes = (),
 ) -> int:
@@ -69,7 +70,7 @@ def run(
     folder = out or Path("runs") / scene.name
     start = functools.partial(run_scene, scene, folder, device=device, precision=precision, threads=threads)
     try:
-        summary = start(overwrite=overwrite, resume=resume, quiet=quiet)
+        summary = start(overwrite=overwrite, resume=resume, checkpoint_interval=checkpoint_interval, quiet=quiet)
     except KeyboardInterrupt:
         if (folder / "checkpoint.npz").exists():
             return _fail("interrupted; what was computed is kept, continue with --resume", 130)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
+from warp_mps.core.interrupts import hold_interrupts
 from warp_mps.energy import Energy
 from warp_mps.particles import Particles
 
@@ -129,16 +130,20 @@ class Observer(Protocol):
 
 @contextlib.contextmanager
 def closing(observers: Sequence[Observer]) -> Iterator[None]:
-    """Close all observers at the end, whatever happens; of several errors the first is raised."""
+    """Close all observers at the end, whatever happens; of several errors the first is raised.
+
+    An interrupt does not stop the closing: who is impatient loses nothing.
+    """
     errors: list[BaseException] = []
     try:
         yield
     except BaseException as error:
         errors.append(error)
-    for observer in observers:
-        try:
-            observer.close()
-        except BaseException as error:
-            errors.append(error)
-    if errors:
-        raise errors[0]
+    with hold_interrupts():
+        for observer in observers:
+            try:
+                observer.close()
+            except BaseException as error:
+                errors.append(error)
+        if errors:
+            raise errors[0]

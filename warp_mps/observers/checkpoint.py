@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import json
 import os
 import time
-import zipfile
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from warp_mps.core.interrupts import hold_interrupts
 from warp_mps.errors import InputError, RunError
 from warp_mps.observers.base import View
 
@@ -49,6 +50,7 @@ class CheckpointWriter:
         fingerprint: What the checkpoint belongs to, e.g. a hash of the case.
         every: Steps between two looks.
         interval: Wall seconds between two saves.
+        results: Files that a run continues from as well; they are on the disk before the checkpoint is.
         clock: Gives the wall time [s].
     """
 
@@ -59,12 +61,14 @@ class CheckpointWriter:
         *,
         every: int,
         interval: float = 60.0,
+        results: Sequence[Path] = (),
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
         self.every = every
         self._folder = Path(folder)
         self._fingerprint = fingerprint
         self._interval, self._clock = interval, clock
+        self._results = tuple(results)
         self._last_save = clock()
         self._pending: Checkpoint | None = None
 
@@ -90,7 +94,11 @@ class CheckpointWriter:
 
     def _save(self) -> None:
         if self._pending is not None:
-            save_checkpoint(self._folder, self._fingerprint, self._pending)
+            # who interrupts twice in impatience must not lose the state
+            with hold_interrupts():
+                for path in self._results:
+                    _sync(path)
+                save_checkpoint(self._folder, self._fingerprint, self._pending)
             self._pending = None
         self._last_save = self._clock()
 
@@ -110,7 +118,6 @@ def save_checkpoint(folder: Path, fingerprint: str, checkpoint: Checkpoint) -> N
     metadata["sha256"] = _digest(metadata, checkpoint.arrays)
     newest, temporary = folder / NAME, folder / (NAME + ".new")
     try:
-        folder.mkdir(parents=True, exist_ok=True)
         with temporary.open("wb") as file:
             np.savez(file, **_entries(metadata, checkpoint.arrays))
             file.flush()
@@ -118,13 +125,23 @@ def save_checkpoint(folder: Path, fingerprint: str, checkpoint: Checkpoint) -> N
         if newest.exists():
             os.replace(newest, folder / PREVIOUS)
         os.replace(temporary, newest)
-        _sync_folder(folder)
+        _sync(folder)
     except OSError as error:
+        # a part of a checkpoint is of no use, and the disk may be full
+        with contextlib.suppress(OSError):
+            temporary.unlink(missing_ok=True)
         raise RunError(f"{newest}: cannot be written: {error.strerror}") from error
 
 
-def load_checkpoint(folder: str | Path, fingerprint: str) -> Checkpoint:
+def load_checkpoint(
+    folder: str | Path, fingerprint: str, *, announce: Callable[[str], None] | None = None
+) -> Checkpoint:
     """Load the newest whole checkpoint of a folder.
+
+    Args:
+        folder: The folder.
+        fingerprint: What the checkpoint must belong to.
+        announce: Called with a message if the newest is damaged and the one before it is taken.
 
     Raises:
         InputError: There is none, or it belongs to another case or another version of the format.
@@ -135,6 +152,8 @@ def load_checkpoint(folder: str | Path, fingerprint: str) -> Checkpoint:
     for path in found:
         loaded = _read(path, fingerprint)
         if loaded is not None:
+            if path != found[0] and announce:
+                announce(f"{found[0]} is damaged; going on from {path.name}, at {loaded.time:.6g} s")
             return loaded
     raise InputError(str(found[0]), "", "is damaged, and so is every earlier checkpoint; start a new run")
 
@@ -147,7 +166,7 @@ def _read(path: Path, fingerprint: str) -> Checkpoint | None:
         metadata = json.loads(str(entries.pop(METADATA)))
         arrays = {name.removeprefix(PREFIX): array for name, array in entries.items()}
         checksum = metadata.pop("sha256")
-    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile):
+    except Exception:  # bytes at random make the readers of a zip file and of an array raise almost anything
         return None
     if metadata.get("version") != VERSION:
         text = f"has format version {metadata.get('version')}, this program reads {VERSION}; start a new run"
@@ -177,10 +196,14 @@ def _digest(metadata: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -> st
     return digest.hexdigest()
 
 
-def _sync_folder(folder: Path) -> None:
-    """Make the renames last through a power failure, where the system can."""
+def _sync(path: Path) -> None:
+    """Make a file, or the names in a folder, last through a power failure, where the system can.
+
+    Raises:
+        OSError: There is no such file any more, or the disk refuses what it was given.
+    """
     if os.name == "posix":
-        handle = os.open(folder, os.O_RDONLY)
+        handle = os.open(path, os.O_RDONLY)
         try:
             os.fsync(handle)
         finally:

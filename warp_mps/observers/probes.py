@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import math
 from pathlib import Path
 
 from warp_mps.energy import ENERGY_NAMES
@@ -25,7 +26,7 @@ class ProbeRecorder:
         resume_after: Continues an existing file after this time [s]; later rows are dropped. None starts anew.
 
     Raises:
-        InputError: A probe is in no body, or the file to continue is missing or has other columns.
+        InputError: A probe is in no body, or the file to continue is missing, has other columns, or ends too early.
     """
 
     def __init__(
@@ -70,4 +71,8 @@ class ProbeRecorder:
         history = read_history(path)
         if history.labels != self.history.labels:
             raise InputError(str(path), "", "has other columns than this case records; start a new run")
-        return history.until(after)
+        kept = history.until(after)
+        # the power may have failed before the last rows were on the disk
+        if not math.isclose(kept.last_time, after, rel_tol=1e-9, abs_tol=1e-300):
+            raise InputError(str(path), "", f"lacks the row at {after:.6g} s to continue from; start a new run")
+        return kept

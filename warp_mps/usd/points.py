@@ -102,7 +102,7 @@ def open_until(path: Path, particles: Particles, last_code: float) -> Any:
     """Open an earlier result as a layer detached from its file, without the samples after a time code.
 
     Raises:
-        InputError: There is no such file, or it is not a result of these particles.
+        InputError: There is no such file, it is not a result of these particles, or it has no sample at that time code.
     """
     if not path.exists():
         raise InputError(str(path), "", "is missing, so the run cannot be continued; start a new run")
@@ -116,13 +116,11 @@ def open_until(path: Path, particles: Particles, last_code: float) -> Any:
         raise InputError(str(path), "", "holds other particles than this case; start a new run")
     codes = layer.ListAllTimeSamples()
     kept = [code for code in codes if code <= last_code]
+    if last_code not in kept:
+        raise InputError(str(path), "", f"lacks the frame at time code {last_code:g} to continue from; start a new run")
     for code in codes[len(kept) :]:
         _erase(layer, code)
-    if kept:
-        layer.endTimeCode = kept[-1]
-    else:
-        layer.ClearStartTimeCode()
-        layer.ClearEndTimeCode()
+    layer.endTimeCode = last_code
     return layer
 
 
