@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from tests.elastic.implicit.test_static import cantilever
+from tests.elastic.implicit.test_theta import rod
 from tests.elastic.test_viscosity import viscous
 from tests.fluid.test_fluids import splash
 from tests.scenes import HAMILTONIAN, SPRINGS, block, scene_of
@@ -89,3 +91,26 @@ def test_water_on_the_gpu(dimension: int, precision: str) -> None:
     for other in arrays[1:]:
         for name, values in arrays[0].items():
             np.testing.assert_array_equal(other[name], values, err_msg=name)
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_a_static_analysis_is_that_of_the_cpu(dimension: int) -> None:
+    runs = [Simulation(cantilever(dimension, load_steps=2), device=device) for device in ("cpu", "cuda:0")]
+    for simulation in runs:
+        simulation.advance(2)
+    cpu, gpu = (simulation.displacements for simulation in runs)
+    np.testing.assert_allclose(gpu, cpu, rtol=0.0, atol=1e-7 * np.abs(cpu).max())
+    assert runs[1].implicit_record()["unsolved"] == 0
+
+
+def test_implicit_steps_are_those_of_the_cpu_and_repeat_to_the_same_bits() -> None:
+    scene = rod(gravity=(0.0, -9.81), time_step=5e-4)
+    options = [{"device": "cpu"}, {"device": "cuda:0"}, {"device": "cuda:0"}, {"device": "cuda:0", "graphs": False}]
+    ends = []
+    for option in options:
+        simulation = Simulation(scene, **option)  # type: ignore[arg-type]
+        simulation.advance(20)
+        ends.append(simulation.displacements)
+    np.testing.assert_allclose(ends[1], ends[0], rtol=0.0, atol=1e-6 * np.abs(ends[0]).max())
+    np.testing.assert_array_equal(ends[2], ends[1])
+    np.testing.assert_array_equal(ends[3], ends[1])

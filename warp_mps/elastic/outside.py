@@ -53,6 +53,8 @@ class Outside:
         driven = np.zeros_like(self.held)
         for support in scene.supports:
             self._hold(support, particles, driven)
+        most = max((len(action.particles) for action in self._driven), default=0)
+        self._spare = wp.empty(most, dtype=kit.vec, device=device), wp.zeros(most, dtype=wp.float64, device=device)
         self._pushed = [self._load(load, particles) for load in scene.loads]
 
     @property
@@ -78,7 +80,8 @@ class Outside:
         for action in self._driven:
             axes, motion = action.numbers[0], action.numbers[1:]
             inputs = [action.particles, axes, time, *motion, mass, self._once, acceleration]
-            spare = [wp.empty_like(action.last), wp.empty_like(action.work)]
+            # what the kernel makes of the step's work goes nowhere
+            spare = [self._spare[0][: len(action.last)], self._spare[1][: len(action.work)]]
             self._launch(self._kernels.drive, action, inputs, [u, v, acceleration, *spare])
 
     def push(self, force: wp.array, mass: wp.array, time: float | None = None) -> None:

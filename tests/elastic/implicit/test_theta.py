@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from tests.elastic.implicit.plates import DEFLECTION, plate
 from tests.scenes import angular_momentum, block
 from warp_mps.elastic.implicit.theta import ImplicitSolid
 from warp_mps.errors import RunError
@@ -106,6 +107,27 @@ def test_steps_far_beyond_the_explicit_limit_are_stable() -> None:
     assert np.abs(found).max() < 2.1 * abs(sag)
     assert found[-1] == pytest.approx(sag, rel=1e-3)
     assert moving.energy.kinetic < 1e-3 * moving.energy.elastic
+
+
+def middle_of(scene: Scene, steps: int) -> np.ndarray:
+    """Deflection of the plate's middle after every step [m]."""
+    simulation = Simulation(scene)
+    middle = np.abs(simulation.particles.positions[:, 0]) < 0.006
+    found = []
+    for _ in range(steps):
+        simulation.advance(1)
+        found.append(simulation.displacements[middle, 1].mean())
+    return np.array(found)
+
+
+def test_a_plate_of_metal_rings_and_settles() -> None:
+    """At 269 Hz, by finite elements, and in steps of 0.5 ms, 400 times the explicit ones, at rest."""
+    dt = 1e-4
+    ringing = middle_of(plate(5, integrator="implicit", time_step=dt, theta=0.5), 100)
+    assert dominant(dt * np.arange(100), ringing) / (2.0 * np.pi) == pytest.approx(269.0, rel=0.015)
+    settling = middle_of(plate(5, integrator="implicit", time_step=5e-4, theta=1.0), 40)
+    assert settling[-1] == pytest.approx(DEFLECTION, rel=0.02)
+    assert settling.min() > 2.03 * DEFLECTION
 
 
 @pytest.mark.parametrize("dimension", [2, 3])

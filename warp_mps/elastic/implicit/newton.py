@@ -80,6 +80,7 @@ class Newton:
         kit: Number types.
         device: Warp device.
         graphs: Whether launches are replayed as graphs.
+        tolerance: Norm of the residual that is asked for, relative to the forces; None is that of `TOLERANCES`.
     """
 
     def __init__(
@@ -92,12 +93,13 @@ class Newton:
         kit: Kit,
         device: Any,
         graphs: bool = True,
+        tolerance: float | None = None,
     ) -> None:
         self._kernels, self._device = newton_kernels(kit), device
         self._run = Replay(device=device, graphs=graphs)
         self._model, self._state, self._mass = model, state, mass
         n, self._n = held.size, len(held)
-        self._tolerance, self._rounding = TOLERANCES[kit.precision], ROUNDING[kit.precision]
+        self._tolerance, self._rounding = tolerance or TOLERANCES[kit.precision], ROUNDING[kit.precision]
         self.applied, self.target, self.center, self._kept = (
             wp.zeros(self._n, dtype=kit.vec, device=device) for _ in range(4)
         )

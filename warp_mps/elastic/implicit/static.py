@@ -43,7 +43,10 @@ class StaticSolid(Solid):
         self.outside.push(self._load, self._mass, 0.0)
         self._ends = wp.array(_ends(scene, particles), dtype=kit.vec, device=device)
         self._factor = wp.zeros(1, dtype=wp.float64, device=device)
-        self._reached = 0.0
+        self._part = wp.zeros(1, dtype=wp.float64, device=device)
+        # load factors of the present equilibrium and of the one before it, and the displacements of that
+        self._reached = self._earlier = 0.0
+        self._u_earlier = wp.zeros_like(state.u)
         self._before = [wp.zeros_like(state.u) for _ in range(3)]
         self._work = wp.zeros(self._n, dtype=wp.float64, device=device)
         state.v.zero_()
@@ -95,13 +98,15 @@ class StaticSolid(Solid):
 
     def arrays(self) -> dict[str, np.ndarray]:
         """Everything that evolves, for a checkpoint."""
-        own = {"reached": np.array(self._reached), "static_work": self._work.numpy().copy()}
-        return {**super().arrays(), **own, "applied": self.newton.applied.numpy().copy()}
+        own = {"static_work": self._work, "applied": self.newton.applied, "u_earlier": self._u_earlier}
+        copies = {name: array.numpy().copy() for name, array in own.items()}
+        return {**super().arrays(), **copies, "factors": np.array([self._earlier, self._reached])}
 
     def assign(self, arrays: dict[str, np.ndarray]) -> None:
         """Continue from arrays that `arrays` gave."""
         super().assign(arrays)
-        self._reached = float(arrays["reached"])
+        self._earlier, self._reached = (float(factor) for factor in arrays["factors"])
+        self._u_earlier.assign(arrays["u_earlier"])
         self._work.assign(arrays["static_work"])
         self.newton.applied.assign(arrays["applied"])
         self._elastic_forces()
@@ -113,6 +118,10 @@ class StaticSolid(Solid):
             wp.copy(kept, now)
         self._factor.fill_(factor)
         self._launch(self._kernels.ramp, [self._factor, self._load, self._ends], [newton.applied, newton.target])
+        # the search begins where the last increment leads to
+        last = self._reached - self._earlier
+        self._part.fill_((factor - self._reached) / last if last > 0.0 else 0.0)
+        self._launch(self._kernels.predict, [self._part, self._free, self._u_earlier], [state.u])
         if not newton.solve(jumps=self.outside.driven):
             wp.copy(state.u, self._before[0])
             wp.copy(newton.applied, self._before[2])
@@ -120,7 +129,8 @@ class StaticSolid(Solid):
             return False
         inputs = [self._free, *self._before, state.u, state.force, newton.applied]
         self._launch(self._kernels.static_work, inputs, [self._work])
-        self._reached = factor
+        wp.copy(self._u_earlier, self._before[0])
+        self._earlier, self._reached = self._reached, factor
         return True
 
     def _elastic_forces(self) -> None:

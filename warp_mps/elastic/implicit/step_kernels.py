@@ -11,7 +11,7 @@ from warp_mps.elastic.implicit.tangent import METHOD
 
 @functools.cache
 def step_kernels(kit: Kit) -> SimpleNamespace:
-    """Kernels `ramp`, `static_work`, `begin`, `extrapolate`, `account` and `complete`."""
+    """Kernels `ramp`, `predict`, `static_work`, `begin`, `extrapolate`, `account` and `complete`."""
     real, vec, d = kit.real, kit.vec, kit.dimension
     real64 = wp.float64
 
@@ -30,6 +30,20 @@ def step_kernels(kit: Kit) -> SimpleNamespace:
         part = real(factor[0])
         applied_out[i] = part * load[i]
         target_out[i] = part * place[i]
+
+    @kit.kernel(METHOD)
+    def predict(
+        # Model:
+        part: wp.array(dtype=wp.float64),
+        free: wp.array(dtype=vec),
+        # State in:
+        u_earlier: wp.array(dtype=vec),
+        # State in and out:
+        u: wp.array(dtype=vec),
+    ):
+        """A part of the last increment once more, on free axes."""
+        i = wp.tid()
+        u[i] = u[i] + real(part[0]) * wp.cw_mul(free[i], u[i] - u_earlier[i])
 
     @kit.kernel(METHOD)
     def static_work(
@@ -179,5 +193,5 @@ def step_kernels(kit: Kit) -> SimpleNamespace:
         elastic_out[i] = force[i]
         force[i] = force[i] + load[i] + external[i] + mass[i] * gravity
 
-    made = (ramp, static_work, begin, extrapolate, account, complete)
+    made = (ramp, predict, static_work, begin, extrapolate, account, complete)
     return SimpleNamespace(**{kernel.func.__name__: kernel for kernel in made})

@@ -44,17 +44,35 @@ class ImplicitSolid(Solid):
     Attributes:
         external: Forces on the particles beside those of the scene, constant over a step [N], vec [n].
         newton: The solver of a step.
+
+    Args:
+        scene: The case.
+        particles: Its particles.
+        dt: Time step of the run [s]; `advance` takes any.
+        kit: Number types.
+        device: Warp device.
+        graphs: Whether launches are replayed as graphs.
+        tolerance: Residual of a step relative to its forces, for a coupling that needs less than the default.
     """
 
     def __init__(
-        self, scene: Scene, particles: Particles, *, dt: float, kit: Kit, device: Any, graphs: bool = True
+        self,
+        scene: Scene,
+        particles: Particles,
+        *,
+        dt: float,
+        kit: Kit,
+        device: Any,
+        graphs: bool = True,
+        tolerance: float | None = None,
     ) -> None:
         super().__init__(scene, particles, dt=dt, kit=kit, device=device)
         assert isinstance(self.model, HamiltonianModel)
         state, held, n = self.state, self.outside.held, self._n
         self._kernels, self._theta = step_kernels(kit), scene.theta
         self._run = Replay(device=device, graphs=graphs)
-        self.newton = Newton(self.model, state, self._mass, held, kit=kit, device=device, graphs=graphs)
+        options: dict[str, Any] = {"kit": kit, "device": device, "graphs": graphs, "tolerance": tolerance}
+        self.newton = Newton(self.model, state, self._mass, held, **options)
         self._free = wp.array(~held, dtype=kit.vec, device=device)
         self._length = wp.zeros(1, dtype=wp.float64, device=device)
         self._time = 0.0
