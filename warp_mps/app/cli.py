@@ -16,6 +16,7 @@ import tyro
 from tyro.conf import FlagCreatePairsOff, OmitArgPrefixes, Positional, UseAppendAction, arg
 
 from warp_mps import __version__
+from warp_mps.app import looking
 from warp_mps.errors import InputError, RunError
 
 MODELS: tuple[Literal["hamiltonian", "springs"], ...] = ("hamiltonian", "springs")
@@ -124,6 +125,7 @@ COMMANDS: dict[str, Callable[..., int]] = {
     "run": run,
     "validate": validate,
     "bench": bench,
+    "convert": looking.convert,
 }
 
 

@@ -158,9 +158,11 @@ def _define_body(stage: Any, particles: Particles, index: int, frame: StageFrame
     width = _width(particles, (first, last), frame)
     points.CreateWidthsAttr(Vt.FloatArray.FromNumpy(np.full(last - first, width, dtype=np.float32)))
     points.SetWidthsInterpolation(UsdGeom.Tokens.vertex)
-    color = PALETTE[index % len(PALETTE)]
+    role = "body"
     if index >= particles.elastic_bodies:
-        color = LIQUID_COLOR if first >= particles.count - particles.liquid else WALL_COLOR
+        role = "fluid" if first >= particles.count - particles.liquid else "wall"
+    color = {"body": PALETTE[index % len(PALETTE)], "fluid": LIQUID_COLOR, "wall": WALL_COLOR}[role]
+    points.GetPrim().SetCustomDataByKey("role", role)
     points.CreateDisplayColorPrimvar(UsdGeom.Tokens.constant).Set([Gf.Vec3f(*color)])
     for create in (points.CreatePointsAttr, points.CreateVelocitiesAttr, points.CreateExtentAttr):
         create()

@@ -1,0 +1,28 @@
+"""The commands that look at the results of a run; they read the run's folder and compute nothing anew."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Literal
+
+from tyro.conf import Positional, arg
+
+Folder = Annotated[Path, arg(metavar="DIR", help="Folder of a run, such as runs/CASE.")]
+Overwrite = Annotated[bool, arg(help="Replace files that are there.")]
+
+
+def convert(
+    folder: Positional[Folder],
+    *,
+    to: Annotated[Literal["pvd"], arg(help="Format: pvd, for ParaView, VisIt and VTK.")] = "pvd",
+    overwrite: Overwrite = False,
+) -> int:
+    """Convert the animation of a run: DIR/pvd/run.pvd, with a .vtp for each body, wall or fluid and frame.
+
+    Times are in seconds. Positions, widths and velocities are in the stage's units, as in run.usdc (the files hold
+    metersPerUnit); pressures and stresses are in Pa, strain energies in J/m^3.
+    """
+    from warp_mps.app.convert import convert_to_pvd
+
+    assert to == "pvd"
+    return convert_to_pvd(folder, overwrite=overwrite)

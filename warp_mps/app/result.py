@@ -1,0 +1,154 @@
+"""The animation of a run, read back: what every command that shows results starts from."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from pxr import Usd, UsdGeom, UsdPhysics
+
+from warp_mps.errors import InputError
+from warp_mps.usd.opening import open_stage
+
+ANIMATION = "run.usdc"
+# SI units of the quantities that a result may hold; points, velocities and widths are in the stage's units
+UNITS = {"pressure": "Pa", "stress": "Pa", "strain": "1", "von_mises": "Pa", "strain_energy": "J/m^3"}
+
+
+def find_run(folder: Path) -> Path:
+    """The animation in the folder of a run.
+
+    Raises:
+        InputError: There is no such folder, or no run in it.
+    """
+    if not folder.is_dir():
+        raise InputError(str(folder), "", "is no folder; give the folder that `warp-mps run` left, such as runs/CASE")
+    if not (folder / ANIMATION).is_file():
+        raise InputError(str(folder), "", f"holds no run: there is no {ANIMATION} in it")
+    return folder / ANIMATION
+
+
+def refuse_existing(path: Path, overwrite: bool) -> None:
+    """Keep a file that is there already, unless it may be replaced.
+
+    Raises:
+        InputError: The file exists and may not be replaced.
+    """
+    if path.exists() and not overwrite:
+        raise InputError(str(path), "", "exists; use --overwrite to replace it")
+
+
+@dataclass(frozen=True)
+class Cloud:
+    """The particles of one body, wall or fluid; what does not change from frame to frame.
+
+    Attributes:
+        name: Name of the body.
+        role: ``body``, ``wall`` or ``fluid``.
+        color: Red, green, blue [-].
+        ids: Ids, shape [n].
+        widths: Widths [stage units], shape [n].
+    """
+
+    name: str
+    role: str
+    color: tuple[float, float, float]
+    ids: np.ndarray
+    widths: np.ndarray
+
+
+class Animation:
+    """The frames of a run.
+
+    Attributes:
+        path: File that was read.
+        clouds: Bodies, walls and fluids, in the order of the file.
+        times: Times of the frames [s], shape [frames].
+        meters_per_unit: Length of the stage's unit [m].
+        kilograms_per_unit: Mass of the stage's unit [kg].
+        up_axis: ``Y`` or ``Z``.
+        provenance: Where the result comes from.
+
+    Args:
+        folder: Folder of the run.
+
+    Raises:
+        InputError: There is no run in the folder, or its animation cannot be read or has no frames.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self.path = find_run(folder)
+        self._stage = open_stage(self.path)
+        points = [UsdGeom.Points(prim) for prim in self._stage.Traverse() if prim.IsA(UsdGeom.Points)]
+        self._codes = sorted({code for item in points for code in item.GetPointsAttr().GetTimeSamples()})
+        if not self._codes:
+            raise InputError(str(self.path), "", "has no frames")
+        self._points = points
+        self.clouds = tuple(_cloud(item) for item in points)
+        self.times = np.array(self._codes) / self._stage.GetTimeCodesPerSecond()
+        self.meters_per_unit = float(UsdGeom.GetStageMetersPerUnit(self._stage))
+        self.kilograms_per_unit = float(UsdPhysics.GetStageKilogramsPerUnit(self._stage))
+        self.up_axis = str(UsdGeom.GetStageUpAxis(self._stage))
+        self.provenance: Mapping[str, Any] = dict(self._stage.GetRootLayer().customLayerData)
+
+    def __len__(self) -> int:
+        """Number of frames."""
+        return len(self._codes)
+
+    def nearest(self, time: float) -> int:
+        """Number of the frame whose time is nearest to one [s]."""
+        return int(np.abs(self.times - time).argmin())
+
+    def points(self, cloud: int, frame: int) -> np.ndarray:
+        """Positions of a cloud [stage units], shape [n, 3]."""
+        return np.array(self._points[cloud].GetPointsAttr().Get(self._codes[frame]), dtype=float).reshape(-1, 3)
+
+    def velocities(self, cloud: int, frame: int) -> np.ndarray:
+        """Velocities of a cloud [stage units/s], shape [n, 3]."""
+        return np.array(self._points[cloud].GetVelocitiesAttr().Get(self._codes[frame]), dtype=float).reshape(-1, 3)
+
+    def quantities(self, cloud: int, frame: int) -> dict[str, np.ndarray]:
+        """The further quantities of a cloud [SI units], by name, shape [n], [n, 3] or [n, 3, 3]."""
+        values = {}
+        for primvar in UsdGeom.PrimvarsAPI(self._points[cloud]).GetPrimvars():
+            if primvar.GetInterpolation() == UsdGeom.Tokens.vertex:
+                value = primvar.Get(self._codes[frame])
+                if value is not None:
+                    values[str(primvar.GetPrimvarName())] = np.array(value)
+        return values
+
+    def bounds(self, frames: Mapping[int, Any] | range) -> np.ndarray:
+        """Corners of the box around all particles in some frames [stage units], shape [2, 3]."""
+        boxes = [self._extent(item, self._codes[frame]) for item in self._points for frame in frames]
+        corners = np.array([box for box in boxes if box is not None]).reshape(-1, 2, 3)
+        if not len(corners):
+            raise InputError(str(self.path), "", "holds no particles")
+        return np.stack([corners[:, 0].min(axis=0), corners[:, 1].max(axis=0)])
+
+    def flat_axis(self) -> int | None:
+        """The stage's axis across the plane of a 2-D run, None of a 3-D run."""
+        points = np.concatenate([self.points(cloud, 0) for cloud in range(len(self.clouds))])
+        empty = [axis for axis in (2, 1, 0) if not points[:, axis].any()]
+        return empty[0] if empty else None
+
+    @staticmethod
+    def _extent(item: UsdGeom.Points, code: float) -> np.ndarray | None:
+        value = item.GetExtentAttr().Get(code)
+        if value is None or not len(item.GetPointsAttr().Get(code) or ()):
+            return None
+        return np.array(value, dtype=float)
+
+
+def _cloud(item: UsdGeom.Points) -> Cloud:
+    prim: Usd.Prim = item.GetPrim()
+    color = item.GetDisplayColorAttr().Get() or [(0.5, 0.5, 0.5)]
+    return Cloud(
+        name=prim.GetName(),
+        role=str(prim.GetCustomDataByKey("role") or "body"),
+        color=(float(color[0][0]), float(color[0][1]), float(color[0][2])),
+        ids=np.array(item.GetIdsAttr().Get(), dtype=np.int64).reshape(-1),
+        widths=np.array(item.GetWidthsAttr().Get(), dtype=np.float32).reshape(-1),
+    )
