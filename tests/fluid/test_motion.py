@@ -66,7 +66,8 @@ def put(fluids: Fluids, rows: dict[int, tuple[list[float], list[float]]]) -> Non
 @pytest.mark.parametrize(("dimension", "precision"), KINDS)
 def test_viscous_forces_are_those_of_numpy(dimension: int, precision: str, slip: str) -> None:
     """And walls hold the water back only where it does not slip: they get what it loses."""
-    scene = tank(small(dimension), wall={"slip": slip}, fluid={"liquid": VISCOUS}, gravity=())
+    fluid = {"liquid": VISCOUS}
+    scene = tank(small(dimension), wall={"slip": slip}, fluid=fluid, gravity=(), time_step=DT)
     fluids = fluids_of(scene, precision=precision)
     stir(fluids)
     w = wall_count(fluids)
@@ -93,7 +94,8 @@ def test_viscous_forces_are_those_of_numpy(dimension: int, precision: str, slip:
 def test_the_viscosity_of_a_quadratic_velocity_is_exact(dimension: int) -> None:
     """On the lattice, away from the ends."""
     cells = (14, 14, 9)[:dimension]
-    fluids = fluids_of(scene_of(water([0.0] * dimension, [L0 * n for n in cells], liquid=VISCOUS), dimension=dimension))
+    block = water([0.0] * dimension, [L0 * n for n in cells], liquid=VISCOUS)
+    fluids = fluids_of(scene_of(block, dimension=dimension, time_step=DT))
     x = fluids.state.x.numpy()
     middle = x.mean(axis=0)
     u = np.zeros_like(x)
