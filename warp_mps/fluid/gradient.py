@@ -100,8 +100,9 @@ def gradient_kernels(kit: Kit) -> SimpleNamespace:
         for m in range(count[i]):
             j = listed[i, m]
             x_ij = apart(x_i, x[j], period)
-            r = wp.max(wp.length(x_ij), real(CLOSEST) * radius)
-            if r < radius:
+            square = wp.dot(x_ij, x_ij)
+            if square < radius * radius:
+                r = wp.max(wp.sqrt(square), real(CLOSEST) * radius)
                 c = gradient * slope(scheme, r, radius)
                 p_j = real(p[wp.max(j - walls, 0)])
                 s_j = scale[wp.max(j - walls, 0)]
@@ -161,8 +162,9 @@ def gradient_kernels(kit: Kit) -> SimpleNamespace:
         for m in range(count[j]):
             i = listed[j, m]
             x_ij = apart(x[i], x_j, period)
-            r = wp.max(wp.length(x_ij), real(CLOSEST) * radius)
-            if r < radius:
+            square = wp.dot(x_ij, x_ij)
+            if square < radius * radius:
+                r = wp.max(wp.sqrt(square), real(CLOSEST) * radius)
                 c = gradient * slope(scheme, r, radius)
                 p_i = real(p[i - walls])
                 p_j = beyond(p_i, density * wp.dot(gravity - a[j], x_ij), clip)

@@ -86,13 +86,15 @@ def list_kernels(kit: Kit) -> SimpleNamespace:
         x_i = x[i]
         if lost[i] == 0:
             for j in wp.hash_grid_query(grid, points[i], real(1.0)):
-                near = j != i and (i >= walls or j >= walls) and lost[j] == 0
-                if near and wp.length(apart(x_i, x[j], period)) < reach:
-                    if n < listed_out.shape[1]:
-                        listed_out[i, n] = j
-                        n += 1
-                    else:
-                        overflow_out[0] = i + 1
+                if i >= walls or j >= walls:
+                    # most of what a query gives is too far away, so that this is asked before the rest
+                    x_ij = apart(x_i, x[j], period)
+                    if wp.dot(x_ij, x_ij) < reach * reach and j != i and lost[j] == 0:
+                        if n < listed_out.shape[1]:
+                            listed_out[i, n] = j
+                            n += 1
+                        else:
+                            overflow_out[0] = i + 1
         count_out[i] = n
         x_listed_out[i] = x_i
         if i == 0:

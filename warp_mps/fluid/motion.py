@@ -41,9 +41,10 @@ def motion_kernels(kit: Kit) -> SimpleNamespace:
     @kit.func(METHOD)
     def bounce(x_ij: vec, u_ij: vec, reach: real) -> vec:
         """Change of the velocity of i, as if j were fixed, when the two collide."""
-        r = wp.length(x_ij)
-        if r >= reach or r == real(0.0):
+        square = wp.dot(x_ij, x_ij)
+        if square >= reach * reach or square == real(0.0):
             return vec()
+        r = wp.sqrt(square)
         approach = wp.min(wp.dot(u_ij, x_ij) / r, real(0.0))
         return (real(wp.static(1.0 + RESTITUTION)) * approach / r) * x_ij
 
@@ -210,8 +211,9 @@ def motion_kernels(kit: Kit) -> SimpleNamespace:
         for m in range(count[i]):
             j = listed[i, m]
             x_ij = apart(x_i, x[j], period)
-            r = wp.length(x_ij)
-            if r < radius:
+            square = wp.dot(x_ij, x_ij)
+            if square < radius * radius:
+                r = wp.sqrt(square)
                 slope += (weight(r, radius) / (wp.max(r, real(CLOSEST) * spacing) * n0)) * x_ij
                 if j >= walls:
                     inside = inside and active[j - walls] == 1

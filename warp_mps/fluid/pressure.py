@@ -60,9 +60,11 @@ def pressure_kernels(kit: Kit) -> SimpleNamespace:
     def slope(scheme: wp.int32, r: real, radius: real) -> real:
         """The pair weight g/r_e^2 of the gradient; the original one for the original scheme."""
         if scheme > wp.static(CORRECTED):
-            return weight(r, radius) / (r * r)
-        s = real(1.0) - r / radius
-        return s * s * s / (radius * radius)
+            inverse = real(1.0) / r
+            return weight(r, radius) * inverse * inverse
+        # divided by what is the same for all pairs, so that a loop over pairs divides once
+        s = real(1.0) - r * (real(1.0) / radius)
+        return s * s * s * (real(1.0) / (radius * radius))
 
     @kit.func(METHOD)
     def source(scheme: wp.int32, e: real, div: real, dt: real, tau: real) -> real:
@@ -128,8 +130,10 @@ def pressure_kernels(kit: Kit) -> SimpleNamespace:
         for m in range(count[i]):
             j = listed[i, m]
             x_ij = apart(x_i, x[j], period)
-            r = wp.max(wp.length(x_ij), real(CLOSEST) * spacing)
-            if r < radius:
+            square = wp.dot(x_ij, x_ij)
+            if square < radius * radius:
+                r = wp.max(wp.sqrt(square), real(CLOSEST) * spacing)
+                inverse = real(1.0) / r
                 w = weight(r, radius)
                 c = laplacian * w
                 u_j = u[j]
@@ -146,7 +150,7 @@ def pressure_kernels(kit: Kit) -> SimpleNamespace:
                 g = slope(scheme, r, radius)
                 moment += g * r * r
                 uneven += g * x_ij
-                div += wp.dot(x_ij, u_j - u_i) / (r * r * r)
+                div += wp.dot(x_ij, u_j - u_i) * (inverse * inverse * inverse)
         surface = wp.int32(0)
         if n < real(SURFACE_DENSITY) * n0 and real(near) < real(SURFACE_NEIGHBOURS) * full:
             surface = 1
