@@ -113,9 +113,10 @@ def test_a_sound_scene_is_taken(fields: dict[str, Any]) -> None:
 
 def test_the_schedule_of_a_static_analysis() -> None:
     clock = Clock(scene(**STATIC, load_steps=7, time_step=0.3, duration=2.0))
-    assert (clock.steps, clock.frame_every, clock.sample_every) == (7, 1, 1)
-    assert clock.time(7) == 2.0
-    assert clock.dt == pytest.approx(2.0 / 7)
+    assert (clock.steps, clock.frame_every, clock.sample_every) == (14, 1, 1)
+    assert clock.time(7) == 1.0
+    assert clock.time(14) == 2.0
+    assert clock.dt == pytest.approx(1.0 / 7)
     assert clock.dt_limit == np.inf
 
 

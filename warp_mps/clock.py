@@ -29,6 +29,8 @@ class Clock:
         InputError: The numbers make a step that is none, or more steps than can be counted.
     """
 
+    _rate: float | None
+
     def __init__(self, scene: Scene) -> None:
         frame = 1.0 / scene.frame_rate
         samples = max(1, round((scene.sample_rate or scene.frame_rate) / scene.frame_rate))
@@ -44,13 +46,13 @@ class Clock:
         self.steps = max(1, math.ceil(_count(scene, scene.duration, self.dt, "duration") - 1e-6))
         # the same as steps of dt but for rounding: frames are then at 0.2 s, not at 0.19999999999999998
         given = scene.time_step is not None and not scene.fluids
-        self._rate: float | None = None if given else self.frame_every * scene.frame_rate
+        self._rate = None if given else self.frame_every * scene.frame_rate
 
     def _ramp(self, scene: Scene) -> None:
         """A step is a load step, and each is shown; what stands for the time is the load factor."""
-        self.dt_limit, self.dt = math.inf, scene.duration / scene.load_steps
-        self.steps, self.sample_every, self.frame_every = scene.load_steps, 1, 1
-        self._rate = scene.load_steps / scene.duration
+        self.dt_limit, self.dt, self._rate = math.inf, 1.0 / scene.load_steps, float(scene.load_steps)
+        self.steps = max(1, math.ceil(_count(scene, scene.duration, self.dt, "duration") - 1e-6))
+        self.sample_every = self.frame_every = 1
 
     def _divide(self, scene: Scene, frame: float, samples: int) -> None:
         """Find the time step of elastic bodies, of which a whole number fits between two samples."""

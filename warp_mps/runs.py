@@ -207,10 +207,9 @@ class _Run:
 
 
 def fingerprint(scene: Scene, precision: str) -> str:
-    """A hash of everything that decides a run's numbers; how long it runs is not among it, but for a load's ramp."""
-    duration = scene.duration if scene.analysis == "static" else 1.0
+    """A hash of everything that decides a run's numbers; how long it runs is not among it."""
     with np.printoptions(threshold=10**9, precision=17):
-        text = repr((replace(scene, duration=duration, measurements=(), description="", path="scene"), precision))
+        text = repr((replace(scene, duration=1.0, measurements=(), description="", path="scene"), precision))
     return hashlib.sha256(text.encode()).hexdigest()
 
 

@@ -41,7 +41,7 @@ class Scene:
             as near to their rates as that allows.
         analysis: ``dynamic``, or ``static``: equilibrium under loads, weight and moving supports, which grow together
             with the load factor. The load factor stands for the time, from 0 to `duration`; 1 is all of them.
-        load_steps: Increments of a static load; each makes a frame and a row.
+        load_steps: Increments in which a static load grows to all of it; each makes a frame and a row.
         integrator: ``explicit``, or ``implicit``: steps of `time_step` of any length by the theta rule.
         theta: Theta of that rule: 0.5 keeps the energy, 1 damps most (`warp_mps.elastic.implicit.theta`).
         courant: Time step in units of l0 / c_p, c_p the speed of pressure waves [-], and at most 0.9

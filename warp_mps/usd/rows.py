@@ -96,7 +96,7 @@ SCENE = _table(
     _row("mps:analysis", "token", "analysis",
          "motion in time, or static equilibrium under loads that grow with the load factor, which stands for the time",
          default=_default(sc.Scene, "analysis"), allowed=sc.ANALYSES),
-    _row("mps:loadSteps", "int", "load_steps", "`static`: increments of the loads, at least 1; each makes a frame",
+    _row("mps:loadSteps", "int", "load_steps", "`static`: increments to the whole load, at least 1; each makes a frame",
          default=_default(sc.Scene, "load_steps")),
     _row("mps:integrator", "token", "integrator",
          "steps of elastic bodies: explicit, or implicit ones of `mps:timeStep`, which may have any length",

@@ -193,6 +193,37 @@ def test_a_run_has_a_row_and_a_frame_for_every_load_step(tmp_path: Path) -> None
     assert UsdGeom.Points(points).GetPointsAttr().GetNumTimeSamples() == 5
 
 
+def test_a_finished_run_goes_on_to_more_load(tmp_path: Path) -> None:
+    """With the rows of a run that was to go there at once, to the same bits."""
+    probe = Probe(name="tip", point=(0.04, 0.0))
+    scene = cantilever(load_steps=2, probes=(probe,))
+    run_scene(scene, tmp_path / "parts", quiet=True)
+    more = replace(scene, duration=2.0)
+    run_scene(more, tmp_path / "parts", quiet=True, resume=True)
+    run_scene(more, tmp_path / "whole", quiet=True)
+    parts, whole = (read_history(tmp_path / name / "probes.csv") for name in ("parts", "whole"))
+    np.testing.assert_allclose(whole.times, [0.0, 0.5, 1.0, 1.5, 2.0])
+    assert parts.rows == whole.rows
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_a_column_that_buckles(law: str) -> None:
+    """Pressed together by a quarter: it leaves the straight line, on which the tangent is not positive any more."""
+    soft = replace(RUBBER, law=law, youngs_modulus=1e5)
+    body = block(2, shape=Box((0.16, 0.02)), spacing=0.005, material=soft)
+    left, right = (Box((0.01, 1.0), center=(x, 0.0)) for x in (-0.08, 0.08))
+    motion = TableMotion(times=np.array([0.0, 1.0]), displacements=np.array([[0.0, 0.0], [-0.04, 0.001]]))
+    grips = Support(name="left", region=left), Support(name="right", region=right, motion=motion)
+    simulation = found(Scene(bodies=(body,), supports=grips, duration=1.0, analysis="static"))
+    assert np.abs(simulation.displacements[:, 1]).max() > 0.03
+    held = simulation.solid.outside.held
+    forces = simulation.internal_forces
+    assert np.abs(forces[~held]).max() < 1e-6 * np.abs(forces[held]).max()
+    # straight, it would resist with E/(1 - nu^2) times its strain
+    resistance = abs(simulation.reactions[select(simulation.particles, right)].sum(axis=0)[0])
+    assert resistance < 0.25 * 0.25 * 1e5 / 0.91 * 0.02
+
+
 def test_a_body_that_nothing_holds_is_refused_in_a_line(tmp_path: Path) -> None:
     scene = cantilever(supports=())
     with pytest.raises(RunError, match="no equilibrium was found beyond a load factor of 0: a body is held"):
