@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.fluid.scenes import KINDS, L0, SCHEMES, scene_of, tank, water
+from tests.fluid.scenes import KINDS, L0, SCHEMES, fluids_of, scene_of, tank, wall_count, water
 from warp_mps.errors import InputError, RunError
 from warp_mps.fluid import fluids as fluids_module
 from warp_mps.observers.base import View
@@ -212,3 +212,29 @@ def test_water_that_collapses_into_a_point_ends_the_run() -> None:
     simulation.fluids.lists.renew(state.x, state.lost)
     with pytest.raises(RunError, match=r"^at t = 0 s: more particles crowd about \(0\.1\d*, 0\.3\d*\) m than a"):
         simulation.run()
+
+
+@pytest.mark.parametrize("graphs", [True, False])
+def test_a_particle_that_runs_away_ends_the_run_at_once(graphs: bool) -> None:
+    """Else its speed would make the steps so short that the run no longer gets on."""
+    fluids = fluids_of(tank((8, 8), room=(8, 12)), graphs=graphs)
+    fluids.advance(0.01)
+    u, w, steps = fluids.state.u.numpy(), wall_count(fluids), int(fluids.state.steps.numpy()[0])
+    k = 20
+    u[w + k] = [0.0, -3e4]
+    fluids.state.u.assign(u)
+    particle = fluids.state.order.numpy()[k]
+    with pytest.raises(RunError, match=rf"^at t = 0\.01\d* s: fluid particle {particle} at .* m runs away at"):
+        fluids.advance(0.02)
+    assert fluids.state.steps.numpy()[0] == steps + 1
+
+
+def test_what_is_fast_has_not_run_away() -> None:
+    """Water that is only as fast as a wall, or fast but not by so much."""
+    fluids = fluids_of(tank((8, 8)))
+    u, w = fluids.state.u.numpy(), wall_count(fluids)
+    usual = Flow().courant * L0 / fluids.step_limit
+    for wall, fluid, fled in ((0.0, 900.0, False), (0.0, 1100.0, True), (10.0, 9e3, False), (10.0, 1.1e4, True)):
+        u[0, 0], u[w, 0] = wall * usual, fluid * usual
+        fluids.state.u.assign(u)
+        assert (fluids.runaway() is not None) == fled

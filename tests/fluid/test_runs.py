@@ -81,3 +81,29 @@ def test_a_leak_has_its_exit_code(tmp_path: Path) -> None:
     scene = scene_of(water([0.0, 0.0], [0.1, 0.1]), gravity=(0.0, -9.81), flow=flow, duration=1.0)
     save_stage(scene, tmp_path / "leak.usda")
     assert main(["run", str(tmp_path / "leak.usda"), "--out", str(tmp_path / "out"), "--quiet"]) == 3
+
+
+def test_steps_that_collapse_have_its_exit_code(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """One line says why, and what was computed before is kept."""
+    advance = fluids_module.Fluids.advance
+
+    def kick(fluids: fluids_module.Fluids, time: float) -> int:
+        """Advance; after 55 ms a particle is given a push before that."""
+        if fluids.time > 0.055:
+            u = fluids.state.u.numpy()
+            u[-1] = [1e5, 0.0]
+            fluids.state.u.assign(u)
+        return advance(fluids, time)
+
+    monkeypatch.setattr(fluids_module.Fluids, "advance", kick)
+    save_stage(tank((6, 6), duration=0.2, frame_rate=100.0, name="still"), tmp_path / "still.usda")
+    assert main(["run", str(tmp_path / "still.usda"), "--out", str(tmp_path / "out"), "--quiet"]) == 3
+    (line,) = capsys.readouterr().err.splitlines()
+    assert "runs away" in line
+    summary = read_summary(tmp_path / "out" / "run.json")
+    assert summary.status == "failed"
+    assert "runs away" in summary.reason
+    assert summary.time == pytest.approx(0.06)
+    assert len(frames(tmp_path / "out", "points")) == 7

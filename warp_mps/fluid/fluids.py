@@ -12,12 +12,13 @@ from warp_mps.core.multilevel import Multilevel
 from warp_mps.core.multilevel import declare_kernels as declare_multilevel
 from warp_mps.core.solver import ConjugateGradient, Matrix
 from warp_mps.core.solver import declare_kernels as declare_solver
+from warp_mps.errors import RunError
 from warp_mps.fluid.gradient import gradient_kernels
 from warp_mps.fluid.lists import METHOD, NeighbourLists, list_kernels
 from warp_mps.fluid.motion import motion_kernels
 from warp_mps.fluid.operators import operators
 from warp_mps.fluid.pressure import CONSERVATIVE, CORRECTED, KOSHIZUKA_OKA, pressure_kernels
-from warp_mps.fluid.readings import FluidReadings
+from warp_mps.fluid.readings import LARGEST_SPEED, FluidReadings
 from warp_mps.fluid.state import FluidState, initial_state
 from warp_mps.fluid.viscous import ImplicitViscosity, viscous_kernels
 from warp_mps.particles import Particles
@@ -135,7 +136,11 @@ class Fluids(FluidReadings):
         self.lists.renew(self.state.x, self.state.lost)
 
     def advance(self, time: float) -> int:
-        """Advance to a time [s], and return the number of steps that it took."""
+        """Advance to a time [s], and return the number of steps that it took.
+
+        Raises:
+            RunError: A particle is so fast that the time would take more steps than can be waited for.
+        """
         before = float(self.state.time.numpy()[0])
         self.aim(time)
         self.state.impulse.zero_()
@@ -143,8 +148,11 @@ class Fluids(FluidReadings):
         self._velocities_before, self._interval = self.velocities(), time - before
         while True:
             self._launch_step()
-            if int(self._left.numpy()[0]) <= 1:
+            left = int(self._left.numpy()[0])
+            if left <= 1:
                 break
+            if left > LARGEST_SPEED * max(self._interval / self._longest, 1.0) and (trouble := self.runaway()):
+                raise RunError(f"at t = {self.state.time.numpy()[0]:.6g} s: {trouble}")
         steps = int(self.state.steps.numpy()[0])
         self.state.forces.assign(self.state.impulse.numpy() / self._interval)
         if steps // SORT_EVERY > first // SORT_EVERY:

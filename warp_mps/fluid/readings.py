@@ -16,6 +16,8 @@ from warp_mps.rigid.poses import Poses
 
 # share of the fluid that may leave the domain
 LARGEST_LOSS = 0.01
+# times the speed that the longest step is for, and the walls': what is faster has run away, and steps collapse with it
+LARGEST_SPEED = 1000.0
 
 
 class FluidReadings:
@@ -38,6 +40,9 @@ class FluidReadings:
     _poses: Poses | None
     _velocities_before: np.ndarray
     _interval: float
+    _longest: float
+    _courant: float
+    _spacing: float
     _device: Any
 
     def positions(self) -> np.ndarray:
@@ -120,6 +125,17 @@ class FluidReadings:
     def time(self) -> float:
         """Time that the fluids have come to [s]."""
         return float(self.state.time.numpy()[0])
+
+    def runaway(self) -> str | None:
+        """Which particle makes the steps collapse, if one does."""
+        speeds, w = np.linalg.norm(self.state.u.numpy().astype(float), axis=1), self._walls
+        k = int(np.argmax(speeds[w:]))
+        usual = max(self._courant * self._spacing / self._longest, speeds[:w].max(initial=0.0))
+        if speeds[w + k] <= LARGEST_SPEED * usual:
+            return None
+        at = ", ".join(f"{c:.4g}" for c in self.state.x.numpy()[w + k])
+        which = f"fluid particle {self.state.order.numpy()[k]} at ({at}) m"
+        return f"{which} runs away at {speeds[w + k]:.4g} m/s: the flow has collapsed there, and time steps with it"
 
     def lost(self) -> int:
         """Number of particles that have left the domain."""
