@@ -36,7 +36,8 @@ def row(**options: object) -> dict:
 
 def test_a_measurement_is_compared_with_its_reference() -> None:
     expected = {"name": "rise", "value": 3.0, "unit": "m", "reference": 4.0, "error": -0.25, "source": "by hand"}
-    assert row(reference=4.0) == expected
+    drawn = {"measure": "maximum", "column": "tip.y [m]", "window": [0.0, None], "at": None}
+    assert row(reference=4.0) == {**expected, **drawn}
 
 
 def test_errors_are_signed_and_relative_to_the_size_of_the_reference() -> None:

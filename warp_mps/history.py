@@ -55,6 +55,18 @@ class History:
         Raises:
             KeyError: There is no such probe or component.
         """
+        column = self._column(name, component)
+        return np.array([row[column] for row in self.rows])
+
+    def label(self, name: str, component: int = 0) -> str:
+        """Label of the column of one component of a probe, e.g. ``tip.x [m]``.
+
+        Raises:
+            KeyError: There is no such probe or component.
+        """
+        return self.labels[self._column(name, component)]
+
+    def _column(self, name: str, component: int) -> int:
         columns = [
             column
             for column, label in enumerate(self.labels[1 : -len(ENERGY_NAMES)], start=1)
@@ -62,7 +74,7 @@ class History:
             or re.fullmatch(re.escape(name) + r"\.[xyz]{1,2}", label.rpartition(" [")[0])
         ]
         if component < len(columns):
-            return np.array([row[columns[component]] for row in self.rows])
+            return columns[component]
         raise KeyError(f"probe {name!r} has no component {component}")
 
     def energies(self) -> list[Energy]:

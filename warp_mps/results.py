@@ -109,8 +109,10 @@ def measurement_rows(scene: Scene, history: History) -> list[dict[str, Any]]:
     """Evaluate all measurements of a scene.
 
     Returns:
-        A row for each: ``name, value, unit, reference, error, source``. The error is (value - reference)/|reference|,
-        None without a reference or where it is 0. A value that cannot be drawn is None, and ``reason`` then says why.
+        A row for each: ``name, value, unit, reference, error, source``, and how it was drawn: the ``measure``, the
+        ``column`` of probes.csv, the ``window`` of time [s], whose end may be None, and ``at``. The error is
+        (value - reference)/|reference|, None without a reference or where it is 0. A value that cannot be drawn is
+        None, and ``reason`` then says why.
     """
     return [_row(measurement, history) for measurement in scene.measurements]
 
@@ -123,8 +125,13 @@ def _row(measurement: Measurement, history: History) -> dict[str, Any]:
         "reference": measurement.reference,
         "error": None,
         "source": measurement.source,
+        "measure": measurement.measure,
+        "column": None,
+        "window": [measurement.start, measurement.end],
+        "at": measurement.at,
     }
     try:
+        row["column"] = history.label(measurement.probe, measurement.component)
         values = history.probe(measurement.probe, measurement.component)
         row["value"] = evaluate(measurement, history.times, values)
     except (ValueError, KeyError) as error:

@@ -126,6 +126,7 @@ COMMANDS: dict[str, Callable[..., int]] = {
     "validate": validate,
     "bench": bench,
     "convert": looking.convert,
+    "plot": looking.plot,
 }
 
 

@@ -26,3 +26,20 @@ def convert(
 
     assert to == "pvd"
     return convert_to_pvd(folder, overwrite=overwrite)
+
+
+def plot(
+    folder: Positional[Folder],
+    *,
+    out: Annotated[
+        Path | None, arg(metavar="FILE", help="File to write: .png, .svg or .pdf; default: DIR/probes.png.")
+    ] = None,
+    overwrite: Overwrite = False,
+) -> int:
+    """Draw every probe and the energies of a run against time [s], in the units of probes.csv.
+
+    References of the case are drawn where they are values of a probe; of the potential energy its change.
+    """
+    from warp_mps.app.plot import plot_history
+
+    return plot_history(folder, out, overwrite=overwrite)

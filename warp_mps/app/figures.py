@@ -1,0 +1,78 @@
+"""What the figures have in common: type, colours, and how they become files."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import matplotlib as mpl
+
+from warp_mps.errors import InputError
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+INK, FAINT = "#24292f", "#d8dee4"
+# distinguishable without colour vision (Okabe and Ito), the darkest first
+COLORS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")
+STYLE: dict[Any, Any] = {
+    "font.family": "DejaVu Sans",
+    "font.size": 9.0,
+    "axes.titlesize": 10.0,
+    "axes.titleweight": "bold",
+    "axes.titlelocation": "left",
+    "axes.edgecolor": "#8c959f",
+    "axes.labelcolor": INK,
+    "axes.titlecolor": INK,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "axes.formatter.use_mathtext": True,
+    "axes.formatter.limits": (-3, 4),
+    "grid.color": FAINT,
+    "grid.linewidth": 0.6,
+    "text.color": INK,
+    "xtick.color": INK,
+    "ytick.color": INK,
+    "lines.linewidth": 1.3,
+    "legend.frameon": False,
+    "legend.fontsize": 8.0,
+    "svg.hashsalt": "warp-mps",
+}
+
+
+@contextmanager
+def style() -> Iterator[None]:
+    """The look of the figures that are made and saved inside."""
+    with mpl.rc_context(STYLE):
+        yield
+
+
+def require_format(path: Path, formats: Sequence[str]) -> None:
+    """Refuse a name whose ending is no format that can be written.
+
+    Raises:
+        InputError: The name ends otherwise.
+    """
+    if path.suffix.lower().lstrip(".") not in formats:
+        raise InputError(str(path), "", f"must end in {' or '.join(f'.{name}' for name in formats)}")
+
+
+def save(figure: Figure, path: Path) -> None:
+    """Write a figure in one step, in a folder that is made if need be.
+
+    Raises:
+        InputError: It cannot be written.
+    """
+    temporary = path.with_name(f".{path.name}.new")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        figure.savefig(temporary, format=path.suffix[1:].lower())
+        os.replace(temporary, path)
+    except OSError as error:
+        temporary.unlink(missing_ok=True)
+        raise InputError(str(path), "", f"cannot be written: {error.strerror}") from error
