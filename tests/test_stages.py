@@ -20,6 +20,7 @@ PROMISED = (
     *("bar_struck_by_wall", "paddle_and_block"),
     *("free_free_bar_3d", "twisting_column_3d", "rubber_drop_3d", "sandwich_cantilever"),
     *("hydrostatic_tank", "standing_wave", "sloshing_tank", "dam_break", "dam_break_3d", "elliptical_drop"),
+    *("taylor_green", "square_patch"),
     *(
         "block_on_elastic_base",
         "block_on_wall",

@@ -89,22 +89,22 @@ TOLERANCES: dict[str, tuple[dict[str, float], float]] = {
 # of fluids, whose losses are in no account
 FLUID_TOLERANCES: dict[str, dict[str, float]] = {
     "hydrostatic_tank": {
-        "pressure on the bottom": 0.015,
-        "pressure on the side": 0.015,
-        "level at the end": 0.005,
-        "push on the right side": 0.02,
-        "volume at the end": 0.005,
+        "pressure on the bottom": 0.01,
+        "pressure on the side": 0.02,
+        "level at the end": 0.003,
+        "push on the right side": 0.015,
+        "volume at the end": 0.003,
     },
     # crests of little more than a spacing lose height
     "standing_wave": {
-        "period of the level": 0.01,
+        "period of the level": 0.006,
         "period of the centre of mass": 0.005,
-        "amplitude of the level": 0.15,
+        "amplitude of the level": 0.13,
     },
     "sloshing_tank": {
         "period of the pressure on the left": 0.01,
         "period of the centre of mass": 0.01,
-        "volume at the end": 0.02,
+        "volume at the end": 0.015,
     },
     # no barrier has to be lifted, and no floor slows the water down
     "dam_break": {
@@ -120,11 +120,22 @@ FLUID_TOLERANCES: dict[str, dict[str, float]] = {
         "front at 0.267 s": 0.12,
     },
     "elliptical_drop": {
-        "half length at 0.8 ms": 0.005,
-        "half length at 3.8 ms": 0.005,
-        "half length at 7.6 ms": 0.015,
+        "half length at 0.8 ms": 0.003,
+        "half length at 3.8 ms": 0.01,
+        "half length at 7.6 ms": 0.005,
+    },
+    # the particles leave their lattice within the first third of the run
+    "taylor_green": {"kinetic energy at 0.2 s": 0.02, "kinetic energy at 0.5 s": 0.075, "kinetic energy at 1 s": 0.11},
+    # the surface acts as if it lay a spacing inside the edge: first order
+    "square_patch": {
+        "pressure in the middle at the start": 0.1,
+        "angular momentum at the end": 0.003,
+        "kinetic energy at the end": 0.005,
+        "volume at the end": 0.02,
     },
 }
+
+SLOW = ("dam_break_3d",)
 
 
 def run_case(name: str, folder: Path) -> RunSummary:
@@ -146,7 +157,9 @@ def test_results_lie_within_their_tolerances(name: str, tmp_path: Path) -> None:
 
 
 @pytest.mark.validation
-@pytest.mark.parametrize("name", FLUID_TOLERANCES)
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=pytest.mark.slow) if name in SLOW else name for name in FLUID_TOLERANCES]
+)
 def test_results_of_fluids_lie_within_their_tolerances(name: str, tmp_path: Path) -> None:
     tolerances = FLUID_TOLERANCES[name]
     summary = run_case(name, tmp_path)
