@@ -112,7 +112,7 @@ def _products(scene: Scene, particles: int) -> float:
 
 
 def _estimate_fluids(scene: Scene) -> Cost:
-    from warp_mps.fluid.fluids import step_limit
+    from warp_mps.fluid.limits import step_limit
 
     refuse_too_large(scene)  # for the fall of the particles, which says how long a step can be, they must be filled
     clock, filled = Clock(scene), fill_scene(scene)

@@ -14,6 +14,7 @@ from warp_mps.core.solver import ConjugateGradient, Matrix
 from warp_mps.core.solver import declare_kernels as declare_solver
 from warp_mps.errors import RunError
 from warp_mps.fluid.gradient import gradient_kernels
+from warp_mps.fluid.limits import domain, step_limit
 from warp_mps.fluid.lists import METHOD, NeighbourLists, list_kernels
 from warp_mps.fluid.motion import motion_kernels
 from warp_mps.fluid.operators import operators
@@ -26,8 +27,6 @@ from warp_mps.rigid.poses import Poses, declare_rigid, moving_runs
 from warp_mps.scene import Scene
 
 SCHEMES = {"conservative": CONSERVATIVE, "corrected": CORRECTED, "koshizuka_oka": KOSHIZUKA_OKA}
-# explicit viscosity is stable up to this many l0^2 / nu (0.25 in 2-D is the limit of central differences)
-VISCOUS_STEP = 0.125
 # particles that one thread goes through when a maximum is sought
 CHUNK = 512
 # steps after which the particles are put in the order of the cells that they have come to
@@ -69,7 +68,7 @@ class Fluids(FluidReadings):
         self._clip = int(flow.negative_pressure == "clipped")
         self._shifts = int(self._scheme == CORRECTED or (self._scheme == CONSERVATIVE and not self._clip))
         self._volume = fluid.spacing**kit.dimension
-        self._low, self._high = _domain(scene, particles)
+        self._low, self._high = domain(scene, particles)
         self.lists = NeighbourLists(
             particles.count, walls=self._walls, low=self._low, high=self._high, periodic=flow.periodic,
             radius=self.operators.radius, spacing=fluid.spacing, neighbours=self.operators.neighbours,
@@ -322,33 +321,3 @@ class Fluids(FluidReadings):
         self.state.x.assign(present)
         self.state.stale.assign(arrays["stale"])
         self._place(self.state.time)
-
-
-def step_limit(scene: Scene, particles: Particles) -> tuple[float, bool]:
-    """Longest time step that a fluid at rest may take [s], and whether viscosity must be implicit in it.
-
-    A particle must not cross more than `courant` of a spacing in a step, at the speed of a fall through the fluid's
-    height or at its initial speed. Viscosity is explicit where that is stable in such a step.
-    """
-    part = slice(particles.count - particles.liquid, None)
-    x, u = particles.positions[part], particles.velocities[part]
-    fluid, flow = scene.fluids[0], scene.flow
-    limits = [0.05]
-    if len(scene.gravity) and np.any(scene.gravity):
-        fall = np.ptp(x @ np.asarray(scene.gravity, float)) + fluid.spacing * float(np.linalg.norm(scene.gravity))
-        limits.append(flow.courant * fluid.spacing / math.sqrt(2.0 * fall))
-    speed = float(np.sqrt((u**2).sum(axis=1).max()))
-    if speed > 0.0:
-        limits.append(flow.courant * fluid.spacing / speed)
-    limit = min(limits)
-    return limit, min(limit, scene.time_step or limit) * fluid.liquid.viscosity > VISCOUS_STEP * fluid.spacing**2
-
-
-def _domain(scene: Scene, particles: Particles) -> tuple[np.ndarray, np.ndarray]:
-    """Lowest and highest corner of what is computed [m]; by default the particles' box, and its size about it."""
-    if scene.flow.domain is not None:
-        low, high = scene.flow.domain
-        return np.asarray(low, float), np.asarray(high, float)
-    low, high = particles.positions.min(axis=0), particles.positions.max(axis=0)
-    margin = max(float((high - low).max()), 10.0 * scene.fluids[0].spacing)
-    return low - margin, high + margin

@@ -1,0 +1,45 @@
+"""How long a step of fluids may be, whether viscosity must be implicit in it, and where fluids are computed."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from warp_mps.particles import Particles
+from warp_mps.scene import Scene
+
+# explicit viscosity is stable up to this many l0^2 / nu (0.25 in 2-D is the limit of central differences)
+VISCOUS_STEP = 0.125
+# the longest step of a fluid that nothing sets in motion [s]
+LONGEST_STEP = 0.05
+
+
+def step_limit(scene: Scene, particles: Particles) -> tuple[float, bool]:
+    """Longest time step that a fluid at rest may take [s], and whether viscosity must be implicit in it.
+
+    A particle must not cross more than `courant` of a spacing in a step, at the speed of a fall through the fluid's
+    height or at its initial speed. Viscosity is explicit where that is stable in such a step.
+    """
+    part = slice(particles.count - particles.liquid, None)
+    x, u = particles.positions[part], particles.velocities[part]
+    fluid, flow = scene.fluids[0], scene.flow
+    limits = [LONGEST_STEP]
+    if len(scene.gravity) and np.any(scene.gravity):
+        fall = np.ptp(x @ np.asarray(scene.gravity, float)) + fluid.spacing * float(np.linalg.norm(scene.gravity))
+        limits.append(flow.courant * fluid.spacing / math.sqrt(2.0 * fall))
+    speed = float(np.sqrt((u**2).sum(axis=1).max()))
+    if speed > 0.0:
+        limits.append(flow.courant * fluid.spacing / speed)
+    limit = min(limits)
+    return limit, min(limit, scene.time_step or limit) * fluid.liquid.viscosity > VISCOUS_STEP * fluid.spacing**2
+
+
+def domain(scene: Scene, particles: Particles) -> tuple[np.ndarray, np.ndarray]:
+    """Lowest and highest corner of what is computed [m]; by default the particles' box, and its size about it."""
+    if scene.flow.domain is not None:
+        low, high = scene.flow.domain
+        return np.asarray(low, float), np.asarray(high, float)
+    low, high = particles.positions.min(axis=0), particles.positions.max(axis=0)
+    margin = max(float((high - low).max()), 10.0 * scene.fluids[0].spacing)
+    return low - margin, high + margin
