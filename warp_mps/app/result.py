@@ -48,14 +48,12 @@ class Cloud:
     Attributes:
         name: Name of the body.
         role: ``body``, ``wall`` or ``fluid``.
-        color: Red, green, blue [-].
         ids: Ids, shape [n].
         widths: Widths [stage units], shape [n].
     """
 
     name: str
     role: str
-    color: tuple[float, float, float]
     ids: np.ndarray
     widths: np.ndarray
 
@@ -98,10 +96,6 @@ class Animation:
         """Number of frames."""
         return len(self._codes)
 
-    def nearest(self, time: float) -> int:
-        """Number of the frame whose time is nearest to one [s]."""
-        return int(np.abs(self.times - time).argmin())
-
     def points(self, cloud: int, frame: int) -> np.ndarray:
         """Positions of a cloud [stage units], shape [n, 3]."""
         return np.array(self._points[cloud].GetPointsAttr().Get(self._codes[frame]), dtype=float).reshape(-1, 3)
@@ -120,35 +114,12 @@ class Animation:
                     values[str(primvar.GetPrimvarName())] = np.array(value)
         return values
 
-    def bounds(self, frames: Mapping[int, Any] | range) -> np.ndarray:
-        """Corners of the box around all particles in some frames [stage units], shape [2, 3]."""
-        boxes = [self._extent(item, self._codes[frame]) for item in self._points for frame in frames]
-        corners = np.array([box for box in boxes if box is not None]).reshape(-1, 2, 3)
-        if not len(corners):
-            raise InputError(str(self.path), "", "holds no particles")
-        return np.stack([corners[:, 0].min(axis=0), corners[:, 1].max(axis=0)])
-
-    def flat_axis(self) -> int | None:
-        """The stage's axis across the plane of a 2-D run, None of a 3-D run."""
-        points = np.concatenate([self.points(cloud, 0) for cloud in range(len(self.clouds))])
-        empty = [axis for axis in (2, 1, 0) if not points[:, axis].any()]
-        return empty[0] if empty else None
-
-    @staticmethod
-    def _extent(item: UsdGeom.Points, code: float) -> np.ndarray | None:
-        value = item.GetExtentAttr().Get(code)
-        if value is None or not len(item.GetPointsAttr().Get(code) or ()):
-            return None
-        return np.array(value, dtype=float)
-
 
 def _cloud(item: UsdGeom.Points) -> Cloud:
     prim: Usd.Prim = item.GetPrim()
-    color = item.GetDisplayColorAttr().Get() or [(0.5, 0.5, 0.5)]
     return Cloud(
         name=prim.GetName(),
         role=str(prim.GetCustomDataByKey("role") or "body"),
-        color=(float(color[0][0]), float(color[0][1]), float(color[0][2])),
         ids=np.array(item.GetIdsAttr().Get(), dtype=np.int64).reshape(-1),
         widths=np.array(item.GetWidthsAttr().Get(), dtype=np.float32).reshape(-1),
     )
