@@ -104,6 +104,7 @@ BROKEN: list[tuple[str, str, str, dict[str, Any]]] = [
     ("/World", "flow.domain.low", "2 finite numbers", flow(domain=((0.0,), (1.0, 1.0)))),
     ("/World", "flow.domain.high", "above the lowest corner", flow(domain=((0.0, 0.0), (1.0, 0.0)))),
     ("/World", "flow.periodic", "needs a domain", flow(periodic=(0,))),
+    ("/World", "integrator", "is for elastic bodies", {"integrator": "implicit", "time_step": 1e-3}),
     ("/World", "flow.periodic", "different axes", flow(domain=BOX, periodic=(2,))),
     ("/World", "flow.periodic", "different axes", flow(domain=BOX, periodic=(1, 1))),
     (

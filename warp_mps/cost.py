@@ -75,7 +75,7 @@ def estimate(scene: Scene) -> Cost:
     """Estimate what a run of a scene takes.
 
     Raises:
-        InputError: A body cannot be filled, or fluids need more memory than there is.
+        InputError: A body cannot be filled, or fluids need more memory than there is, or their domain leaves them out.
     """
     if scene.fluids:
         return _estimate_fluids(scene)
@@ -112,11 +112,12 @@ def _products(scene: Scene, particles: int) -> float:
 
 
 def _estimate_fluids(scene: Scene) -> Cost:
-    from warp_mps.fluid.limits import step_limit
+    from warp_mps.fluid.limits import domain, step_limit
 
     refuse_too_large(scene)  # for the fall of the particles, which says how long a step can be, they must be filled
     clock, filled = Clock(scene), fill_scene(scene)
     particles = dict(zip(filled.names, np.diff(filled.ranges, axis=1).ravel().tolist(), strict=True))
+    domain(scene, filled)  # refuses what a run would refuse
     limit, _ = step_limit(scene, filled)
     dt = min(limit, scene.time_step or limit, clock.dt)
     steps = math.ceil(scene.duration / dt - 1e-6)

@@ -27,6 +27,8 @@ def check_implicit(scene: Scene) -> None:
     if scene.analysis == "static":
         require(not scene.fluids, where, "analysis", "is 'static', which is for elastic bodies: fluids flow")
         _at_rest(scene)
+    elif scene.fluids:
+        require(not scene.implicit, where, "integrator", "is 'implicit', which is for elastic bodies")
     if not scene.implicit or scene.fluids:
         return
     word, attribute = (scene.analysis, "analysis") if scene.analysis == "static" else (scene.integrator, "integrator")

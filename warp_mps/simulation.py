@@ -167,7 +167,8 @@ class Simulation:
     def longest_step(self) -> tuple[float, float]:
         """The longest time step that may be taken, and what is stable [s]."""
         if self.scene.fluids:
-            return self.scene.time_step or self.fluids.step_limit, self.fluids.step_limit
+            limit = self.fluids.step_limit
+            return min(self.scene.time_step or limit, limit), limit
         return self.clock.dt, self.clock.dt_limit
 
     def fluid_record(self) -> dict[str, float]:

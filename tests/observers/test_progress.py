@@ -50,6 +50,13 @@ def test_a_short_run_prints_a_line_every_tenth(view: FakeView) -> None:
     assert lines[-1] == "100 %  1 s, 500 steps/s, done"
 
 
+def test_the_steps_within_those_of_the_run_are_counted() -> None:
+    view = view_of(blocks(), total_steps=1000, substeps=8)
+    stream, clock = io.StringIO(), Clock()
+    run(Progress(every=1, stream=stream, clock=clock), view, clock, seconds=2.0)
+    assert stream.getvalue().splitlines()[5] == " 50 %  0.5 s, 4000 steps/s, 0:00:01 left"
+
+
 def test_a_long_run_prints_a_line_every_five_seconds(view: FakeView) -> None:
     stream, clock = io.StringIO(), Clock()
     run(Progress(every=1, stream=stream, clock=clock), view, clock, seconds=500.0)

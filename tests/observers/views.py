@@ -35,6 +35,7 @@ class FakeView:
     time: float = 0.0
     step: int = 0
     total_steps: int = 100
+    substeps: int = 1
     energy: Energy = REST
     displacements: np.ndarray = field(init=False)
     velocities: np.ndarray = field(init=False)
@@ -60,6 +61,11 @@ class FakeView:
         self.rotations = np.zeros((count, 2 * dimension - 3))
         self.angular_velocities = np.zeros((count, 2 * dimension - 3))
         self.pressures = np.zeros(count)
+
+    @property
+    def steps_done(self) -> int:
+        """Time steps, of which a step of the run takes some."""
+        return self.substeps * self.step
 
     @property
     def positions(self) -> np.ndarray:

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 
+from warp_mps.errors import InputError
 from warp_mps.particles import Particles
 from warp_mps.scene import Scene
 
@@ -36,10 +37,25 @@ def step_limit(scene: Scene, particles: Particles) -> tuple[float, bool]:
 
 
 def domain(scene: Scene, particles: Particles) -> tuple[np.ndarray, np.ndarray]:
-    """Lowest and highest corner of what is computed [m]; by default the particles' box, and its size about it."""
+    """Lowest and highest corner of what is computed [m]; by default the particles' box, and its size about it.
+
+    Raises:
+        InputError: The domain of the scene does not hold its fluids.
+    """
     if scene.flow.domain is not None:
-        low, high = scene.flow.domain
-        return np.asarray(low, float), np.asarray(high, float)
+        low, high = (np.asarray(corner, float) for corner in scene.flow.domain)
+        _holds(scene, particles.positions[particles.count - particles.liquid :], low, high)
+        return low, high
     low, high = particles.positions.min(axis=0), particles.positions.max(axis=0)
     margin = max(float((high - low).max()), 10.0 * scene.fluids[0].spacing)
     return low - margin, high + margin
+
+
+def _holds(scene: Scene, x: np.ndarray, low: np.ndarray, high: np.ndarray) -> None:
+    """Check that a domain holds particles, but for its periodic axes, along which they are carried into it."""
+    wraps = np.isin(np.arange(len(low)), scene.flow.periodic)
+    for name, outside in (("low", x < low), ("high", x > high)):
+        strays = np.flatnonzero((outside & ~wraps).any(axis=1))
+        if len(strays):
+            at = ", ".join(f"{c:.4g}" for c in x[strays[0]])
+            raise InputError(scene.path, f"flow.domain.{name}", f"leaves out fluid at ({at}) m")

@@ -31,6 +31,10 @@ class View(Protocol):
         """Number of steps done."""
 
     @property
+    def steps_done(self) -> int:
+        """Number of time steps done, of fluids those within the steps of the run."""
+
+    @property
     def total_steps(self) -> int:
         """Number of steps of the whole run."""
 

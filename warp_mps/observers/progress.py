@@ -41,7 +41,7 @@ class Progress:
         self._quiet = quiet
         self._stream = sys.stderr if stream is None else stream
         self._clock = clock
-        self._first: tuple[int, float] | None = None
+        self._first: tuple[int, int, float] | None = None
         self._line = (0.0, 0.0)
         self._bar: Bar | None = None
 
@@ -52,13 +52,13 @@ class Progress:
         now = self._clock()
         first = self._first is None
         if self._first is None:
-            self._first = (view.step, now)
-        rate = self._rate(view.step, now)
+            self._first = (view.step, view.steps_done, now)
+        rate, speed = self._rates(view, now)
         if self._stream.isatty():
-            self._show_bar(view, rate)
+            self._show_bar(view, rate, speed)
         elif first or view.step >= view.total_steps or self._line_is_due(_fraction(view), now):
             self._line = (_fraction(view), now)
-            print(_line(view, rate), file=self._stream, flush=True)
+            print(_line(view, rate, speed), file=self._stream, flush=True)
 
     def close(self) -> None:
         """Leave the bar as it is."""
@@ -66,22 +66,23 @@ class Progress:
             self._bar.stop()
             self._bar = None
 
-    def _rate(self, step: int, now: float) -> float:
-        """Steps a second since the first look, 0 while unknown."""
+    def _rates(self, view: View, now: float) -> tuple[float, float]:
+        """Steps of the run and time steps a second since the first look, 0 while unknown."""
         assert self._first is not None
-        first_step, start = self._first
-        return (step - first_step) / (now - start) if now > start else 0.0
+        step, done, start = self._first
+        seconds = now - start
+        return ((view.step - step) / seconds, (view.steps_done - done) / seconds) if seconds > 0.0 else (0.0, 0.0)
 
     def _line_is_due(self, fraction: float, now: float) -> bool:
         last_fraction, last_time = self._line
         return now - last_time >= LINE_SECONDS or fraction - last_fraction >= LINE_FRACTION - 1e-9
 
-    def _show_bar(self, view: View, rate: float) -> None:
+    def _show_bar(self, view: View, rate: float, speed: float) -> None:
         if self._bar is None:
             self._bar = _make_bar(self._stream)
             self._bar.add_task("run", total=view.total_steps)
             self._bar.start()
-        text = f"{view.time:.4g} s, {rate:.4g} steps/s, {_left(view, rate)}"
+        text = f"{view.time:.4g} s, {speed:.4g} steps/s, {_left(view, rate)}"
         self._bar.update(self._bar.task_ids[0], completed=view.step, description=text)
 
 
@@ -97,9 +98,9 @@ def _fraction(view: View) -> float:
     return view.step / view.total_steps if view.total_steps else 1.0
 
 
-def _line(view: View, rate: float) -> str:
-    speed = f", {rate:.4g} steps/s" if rate else ""
-    return f"{100 * _fraction(view):3.0f} %  {view.time:.4g} s{speed}, {_left(view, rate)}"
+def _line(view: View, rate: float, speed: float) -> str:
+    fast = f", {speed:.4g} steps/s" if rate else ""
+    return f"{100 * _fraction(view):3.0f} %  {view.time:.4g} s{fast}, {_left(view, rate)}"
 
 
 def _left(view: View, rate: float) -> str:

@@ -91,7 +91,8 @@ SCENE = _table(
          "rows of probes.csv per simulated second, a whole multiple of `mps:frameRate`, which it is if not given",
          unit="1/s"),
     _row("mps:timeStep", "double", "time_step",
-         "time step, above 0; from `mps:courant` if not given. Frames and rows then come every so many whole steps",
+         "time step, above 0; from `mps:courant` if not given. Frames and rows then come every so many whole steps. "
+         "Fluids: the longest step, where that of `mps:fluidCourant` is not shorter",
          **_SECONDS),
     _row("mps:analysis", "token", "analysis",
          "motion in time, or static equilibrium under loads that grow with the load factor, which stands for the time",
