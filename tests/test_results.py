@@ -83,9 +83,15 @@ def test_a_summary_reads_back(tmp_path: Path) -> None:
         energy={"kinetic": 1.0, "drift": 1e-9},
         momentum_error=1e-15,
     )
-    summary.write(tmp_path / "out" / "run.json")
-    assert read_summary(tmp_path / "out" / "run.json") == summary
-    assert [path.name for path in (tmp_path / "out").iterdir()] == ["run.json"]
+    summary.write(tmp_path / "run.json")
+    assert read_summary(tmp_path / "run.json") == summary
+    assert [path.name for path in tmp_path.iterdir()] == ["run.json"]
+
+
+def test_a_folder_that_was_removed_is_not_made_anew(tmp_path: Path) -> None:
+    with pytest.raises(FileNotFoundError):
+        RunSummary(case="beam").write(tmp_path / "gone" / "run.json")
+    assert not (tmp_path / "gone").exists()
 
 
 def test_numbers_that_are_not_finite_become_null(tmp_path: Path) -> None:

@@ -2,9 +2,19 @@
 
 from __future__ import annotations
 
+import signal
 import sys
 
-from warp_mps.app.cli import main
+from warp_mps.app import cli
+
+
+def main() -> int:
+    """Run the command line; the exit code of an interrupted run stays, however often it is interrupted."""
+    code = cli.main()
+    if code == cli.INTERRUPTED:
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
+    return code
+
 
 if __name__ == "__main__":
     sys.exit(main())

@@ -30,8 +30,10 @@ def lock_folder(folder: Path) -> Iterator[None]:
             yield
         finally:
             if handle is not None:
-                # removed while it is still held: who waits with the old file in hand finds that it is gone
-                (folder / NAME).unlink(missing_ok=True)
+                # removed while it is still held: who waits with the old file in hand finds that it is gone;
+                # where it cannot be removed it is in nobody's way
+                with contextlib.suppress(OSError):
+                    (folder / NAME).unlink()
                 os.close(handle)
     finally:
         with contextlib.suppress(OSError):

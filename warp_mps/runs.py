@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from warp_mps import __version__
-from warp_mps.core.interrupts import hold_interrupts
+from warp_mps.core.interrupts import single_interrupt
 from warp_mps.cost import refuse_too_large
 from warp_mps.errors import InputError, RunError
 from warp_mps.fluid_checks import remarks
@@ -91,7 +91,8 @@ def run_scene(
             run = _Run(simulation, folder, progress, resumed=checkpoint is not None, interval=checkpoint_interval)
         except OSError as error:
             raise InputError(str(folder), "", f"cannot be written: {error.strerror}") from error
-        return run.execute()
+        with single_interrupt():
+            return run.execute()
 
 
 class _Run:
@@ -179,7 +180,7 @@ class _Run:
 
     def _give_up(self, reason: str, begin: float) -> None:
         """Say why in run.json, if that can still be written: the first error counts."""
-        with contextlib.suppress(OSError), hold_interrupts():
+        with contextlib.suppress(OSError):
             self._finish("failed", reason, begin)
 
     def _finish(self, status: str, reason: str, begin: float) -> None:

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from warp_mps.core.interrupts import hold_interrupts
+from warp_mps.core.interrupts import hold_interrupts, single_interrupt
 
 
 @pytest.fixture(autouse=True)
@@ -69,3 +69,41 @@ def test_threads_that_are_never_interrupted_hold_nothing() -> None:
     thread.start()
     thread.join()
     assert found == [signal.default_int_handler]
+
+
+def test_the_second_interrupt_does_not_stop_what_the_first_sets_off() -> None:
+    done = []
+
+    @single_interrupt()
+    def work() -> None:
+        try:
+            signal.raise_signal(signal.SIGINT)
+        finally:
+            signal.raise_signal(signal.SIGINT)
+            done.append("kept")
+
+    with pytest.raises(KeyboardInterrupt):
+        work()
+    assert done == ["kept"]
+
+
+def test_a_held_interrupt_is_the_first() -> None:
+    done = []
+
+    @single_interrupt()
+    @hold_interrupts()
+    def work() -> None:
+        for number in range(2):
+            signal.raise_signal(signal.SIGINT)
+            done.append(number)
+
+    with pytest.raises(KeyboardInterrupt):
+        work()
+    assert done == [0, 1]
+
+
+def test_ignored_interrupts_stay_ignored() -> None:
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    with single_interrupt():
+        assert signal.getsignal(signal.SIGINT) is signal.SIG_IGN
+    signal.signal(signal.SIGINT, signal.default_int_handler)

@@ -178,7 +178,7 @@ def test_a_checkpoint_that_cannot_be_written_leaves_those_before_it(
     def full(*_: object, **__: object) -> None:
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(np, "savez", full)
+    monkeypatch.setattr(np.lib.format, "write_array", full)
     with pytest.raises(RunError, match="cannot be written: No space left"):
         save(tmp_path, 3)
     assert cp.load_checkpoint(tmp_path, "case").step == 2

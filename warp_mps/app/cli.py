@@ -17,6 +17,7 @@ from tyro.conf import FlagCreatePairsOff, OmitArgPrefixes, Positional, UseAppend
 
 from warp_mps import __version__
 from warp_mps.app import looking
+from warp_mps.core.interrupts import single_interrupt
 from warp_mps.errors import InputError, RunError
 
 MODELS: tuple[Literal["hamiltonian", "springs"], ...] = ("hamiltonian", "springs")
@@ -74,7 +75,7 @@ def run(
         summary = start(overwrite=overwrite, resume=resume, checkpoint_interval=checkpoint_interval, quiet=quiet)
     except KeyboardInterrupt:
         if (folder / "checkpoint.npz").exists():
-            return _fail("interrupted; what was computed is kept, continue with --resume", 130)
+            return _fail("interrupted; what was computed is kept, continue with --resume", INTERRUPTED)
         raise
     show_summary(summary, folder)
     return 0
@@ -119,6 +120,7 @@ def bench(
     return 0
 
 
+INTERRUPTED = 130
 COMMANDS: dict[str, Callable[..., int]] = {
     "list": list_cases,
     "check": check,
@@ -139,7 +141,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     # what ends a batch job ends a run as Ctrl-C does: with everything kept
     signal.signal(signal.SIGTERM, lambda *_: signal.raise_signal(signal.SIGINT))
     try:
-        return int(_dispatch(arguments))
+        # a second Ctrl-C must not stop what the first one keeps
+        with single_interrupt():
+            return int(_dispatch(arguments))
     except InputError as error:
         from warp_mps.usd.attributes import stage_error
 
@@ -148,7 +152,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except RunError as error:
         return _fail(str(error), 3)
     except KeyboardInterrupt:
-        return _fail("interrupted", 130)
+        return _fail("interrupted", INTERRUPTED)
 
 
 def _dispatch(arguments: list[str]) -> Any:

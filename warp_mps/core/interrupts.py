@@ -1,4 +1,4 @@
-"""Work that must not be torn apart by Ctrl-C."""
+"""Work that must not be torn apart by Ctrl-C, and what an interrupt sets off, by a second one."""
 
 import contextlib
 import signal
@@ -23,3 +23,25 @@ def hold_interrupts() -> Iterator[None]:
         signal.signal(signal.SIGINT, handler)
     if held:
         handler(*held[0])
+
+
+@contextlib.contextmanager
+def single_interrupt() -> Iterator[None]:
+    """Let the first interrupt (SIGINT) take effect and no other, so that what it sets off comes to its end."""
+    handler = signal.getsignal(signal.SIGINT)
+    if threading.current_thread() is not threading.main_thread() or not callable(handler):
+        yield
+        return
+    interrupted = False
+
+    def once(number: int, frame: FrameType | None) -> None:
+        nonlocal interrupted
+        if not interrupted:
+            interrupted = True
+            handler(number, frame)
+
+    signal.signal(signal.SIGINT, once)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, handler)

@@ -7,10 +7,11 @@ import hashlib
 import json
 import os
 import time
+import zipfile
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 
 import numpy as np
 
@@ -119,7 +120,7 @@ def save_checkpoint(folder: Path, fingerprint: str, checkpoint: Checkpoint) -> N
     newest, temporary = folder / NAME, folder / (NAME + ".new")
     try:
         with temporary.open("wb") as file:
-            np.savez(file, **_entries(metadata, checkpoint.arrays))
+            _write(file, _entries(metadata, checkpoint.arrays))
             file.flush()
             os.fsync(file.fileno())
         if newest.exists():
@@ -181,9 +182,17 @@ def _read(path: Path, fingerprint: str) -> Checkpoint | None:
 
 
 def _entries(metadata: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -> dict[str, Any]:
-    # savez takes the names as keywords; the prefix keeps them from meeting its own and the metadata.
+    # the prefix keeps the names from meeting the metadata's
     state = {PREFIX + name: np.asarray(array) for name, array in arrays.items()}
     return {METADATA: np.array(json.dumps(metadata)), **state}
+
+
+def _write(file: IO[bytes], entries: Mapping[str, Any]) -> None:
+    """Write what `numpy.load` reads, without the time of day: a zip file cannot hold one before 1980, or after 2107."""
+    with zipfile.ZipFile(file, "w") as archive:
+        for name, array in entries.items():
+            with archive.open(zipfile.ZipInfo(name + ".npy"), "w", force_zip64=True) as entry:
+                np.lib.format.write_array(entry, np.asanyarray(array), allow_pickle=False)
 
 
 def _digest(metadata: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -76,7 +77,7 @@ class PointsFile:
         try:
             saved = self._stage.GetRootLayer().Save()
         except Tf.ErrorException as error:
-            raise RunError(f"{self.path}: cannot be written: {' '.join(str(error).split())}") from error
+            raise RunError(f"{self.path}: cannot be written: {_first_words(error)}") from error
         if not saved:
             raise RunError(f"{self.path}: cannot be written")
 
@@ -89,6 +90,13 @@ class PointsFile:
         for name, value in values.items():
             if name not in ("points", "velocities"):
                 _set_primvar(points, name, value, code)
+
+
+def _first_words(error: Exception) -> str:
+    """What the first of the errors says; the others follow from it, and all come with places in USD's source."""
+    text = " ".join(str(error).split())
+    found = re.search(r" : '(.*?)'( Error in '|$)", text)
+    return found[1] if found else text
 
 
 def extent(points: np.ndarray, width: float) -> np.ndarray:

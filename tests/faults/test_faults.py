@@ -1,0 +1,60 @@
+"""Runs that are killed, interrupted and deprived: nothing that was kept is lost, and they go on to the same bits."""
+
+from __future__ import annotations
+
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tests.faults.cases import Case, assert_same, make_case
+from warp_mps.runs import run_scene
+
+if not sys.platform.startswith("linux"):
+    pytest.skip("the faults are made by Linux's own means", allow_module_level=True)
+
+from tests.faults import campaign
+
+SHORT = [
+    *(("kill -9", "solid", rows) for rows in (1, 9, 26, 47)),
+    *(("kill -9", "fluid", rows) for rows in (5, 33)),
+    ("SIGTERM", "fluid", 20),
+    ("Ctrl-C twice", "solid", 12),
+    ("disk full", "solid", 15),
+    ("disk full, checkpoint", "solid", 2),
+    ("disk full, frame", "fluid", 30),
+    ("folder removed", "solid", 21),
+    ("folder write-protected", "solid", 18),
+]
+
+
+@pytest.fixture(scope="module")
+def cases(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Case]:
+    """The cases, with their continuous runs."""
+    folder = tmp_path_factory.mktemp("cases")
+    return {name: make_case(name, folder) for name in ("solid", "fluid")}
+
+
+@pytest.mark.parametrize(("fault", "name", "rows"), SHORT)
+def test_a_run_goes_on_after_a_fault(cases: dict[str, Case], tmp_path: Path, fault: str, name: str, rows: int) -> None:
+    _, start = campaign.endure(campaign.FAULTS[fault], cases[name], tmp_path / "run", rows)
+    # beyond the first frame there is a checkpoint, of at most some rows ago
+    if rows > 5:
+        assert start > 0.0
+
+
+def test_a_clock_that_jumps_changes_nothing(
+    cases: dict[str, Case], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """To before the oldest time that a zip file can hold, beyond the newest, and back."""
+    jumps = np.random.default_rng(0)
+    monkeypatch.setattr(time, "time", lambda: float(jumps.choice([-1e9, 0.0, 1e9, 5e9])))
+    run_scene(cases["solid"].scene, tmp_path, quiet=True, checkpoint_interval=0.0)
+    assert_same(cases["solid"], tmp_path)
+
+
+@pytest.mark.slow
+def test_the_long_campaign_loses_no_run() -> None:
+    assert campaign.main(50) == 0
