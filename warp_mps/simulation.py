@@ -42,8 +42,8 @@ class Simulation:
         announce: Called with a message when kernels have to be compiled first.
 
     Raises:
-        InputError: The scene's bodies, supports or loads do not fit its particles, or there is no such device or
-            precision, or the device takes no threads.
+        InputError: The scene's bodies, supports, loads or domain do not fit its particles, or there is no such device
+            or precision, or the device takes no threads.
     """
 
     def __init__(
@@ -197,7 +197,7 @@ class Simulation:
         An interrupt (Ctrl-C) takes effect between two blocks of steps, so that `step` is that of the state.
 
         Raises:
-            RunError: A step, or an equilibrium, could not be solved.
+            RunError: A step, or an equilibrium, could not be solved, or a fluid particle ran away.
             RuntimeError: An earlier failure within a step has ended the threads; `restore` starts new ones.
         """
         self._seen.clear()

@@ -65,7 +65,11 @@ class System(Protocol):
 
 
 class PacedSystem(System, Protocol):
-    """A system that decides within a step how it goes on, so that no step of it can be replayed as a whole."""
+    """A system that decides within a step of the run how it goes on, so that no such step is replayed as a whole."""
 
-    def advance(self, time: float) -> None:
-        """Advance to a time [s], or in statics to a load factor."""
+    def advance(self, time: float) -> object:
+        """Advance to a time [s], or in statics to a load factor.
+
+        Raises:
+            RunError: A step, or an equilibrium, could not be solved, or a fluid particle ran away.
+        """

@@ -47,12 +47,21 @@ class Fluids(FluidReadings):
     A step is the same Python whether it is run eagerly or captured: it reads nothing back and allocates nothing. Its
     length is found on the device, so that an interval takes as many steps as the fastest particle asks for.
 
+    Attributes:
+        state: Everything that evolves, in the order of the cells that the particles are in.
+        operators: Factors of the operators.
+        lists: Neighbour lists.
+        step_limit: Longest step that the fluid at its start may take [s]; see `warp_mps.fluid.limits.step_limit`.
+
     Args:
         scene: The case.
         particles: Its particles; walls come first, fluids last.
         kit: Number types.
         device: Warp device.
         graphs: Whether steps are replayed as graphs.
+
+    Raises:
+        InputError: The domain of the scene does not hold its fluids.
     """
 
     def __init__(self, scene: Scene, particles: Particles, *, kit: Kit, device: Any, graphs: bool = True) -> None:

@@ -17,7 +17,7 @@ LONGEST_STEP = 0.05
 
 
 def step_limit(scene: Scene, particles: Particles) -> tuple[float, bool]:
-    """Longest time step that a fluid at rest may take [s], and whether viscosity must be implicit in it.
+    """Longest time step that a fluid may take from its start on [s], and whether viscosity must be implicit in it.
 
     A particle must not cross more than `courant` of a spacing in a step, at the speed of a fall through the fluid's
     height or at its initial speed. Viscosity is explicit where that is stable in such a step.
