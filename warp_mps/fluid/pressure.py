@@ -60,7 +60,8 @@ def pressure_kernels(kit: Kit) -> SimpleNamespace:
     @kit.func(METHOD)
     def weight(r: real, radius: real) -> real:
         """w(r) = r_e/r - 1 (Koshizuka & Oka 1996)."""
-        return wp.max(radius / r - real(1.0), real(0.0))
+        # two particles in one place must not make a number that is none
+        return wp.max(radius / wp.max(r, real(1.0e-6) * radius) - real(1.0), real(0.0))
 
     @kit.func(METHOD)
     def slope(scheme: wp.int32, r: real, radius: real) -> real:
