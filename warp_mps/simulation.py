@@ -59,6 +59,7 @@ class Simulation:
         # Warp is imported with the first simulation, not with the package
         from warp_mps.core.device import open_device
         from warp_mps.core.kit import PRECISIONS, kit
+        from warp_mps.core.replay import Replay
 
         if threads < 1:
             raise InputError("", "threads", f"is {threads}, must be 1 or more")
@@ -79,10 +80,9 @@ class Simulation:
         made = self._make_system(numbers, graphs, announce)
         self._system: System = made
         self._system.start()
-        self._graphs: dict[int, Any] = {}
+        self._replay = Replay(device=self._device, graphs=graphs)
         self._threads = threads
         self._team = self._make_team() if threads > 1 else None
-        self._use_graphs = graphs
         self._paced: PacedSystem | None = made if scene.fluids or scene.implicit else None
         self._seen: dict[str, Any] = {}
 
@@ -204,7 +204,7 @@ class Simulation:
         blocks, rest = divmod(steps, BLOCK) if not self._paced else (0, steps)
         for block in itertools.chain(itertools.repeat(BLOCK, blocks), itertools.repeat(1, rest)):
             with hold_interrupts():
-                self._replay(block)
+                self._take(block)
                 self.step += block
 
     def synchronize(self) -> None:
@@ -325,40 +325,29 @@ class Simulation:
         self._system.assign(arrays)
         self.step = int(arrays["step"])
 
-    def _replay(self, steps: int) -> None:
-        """Run some steps as one graph, captured when it is first needed."""
-        import warp as wp
-
+    def _take(self, steps: int) -> None:
+        """Run some steps, of elastic bodies as one graph."""
         if self._paced:
             for step in range(self.step, self.step + steps):
                 self._paced.advance(self.clock.time(step + 1))
         elif self._team:
             self._team.run(steps)
-        elif self._use_graphs:
-            if steps not in self._graphs:
-                self._graphs[steps] = self._capture([self.solid.step] * steps)
-            wp.capture_launch(self._graphs[steps])
         else:
-            for _ in range(steps):
-                self.solid.step()
-
-    def _capture(self, launches: Sequence[Callable[[], object]]) -> Any:
-        import warp as wp
-
-        with wp.ScopedCapture(device=self._device) as capture:
-            for launch in launches:
-                launch()
-        return capture.graph
+            self._replay(f"{steps} steps", lambda: _repeat(self.solid.step, steps))
 
     def _make_team(self) -> Any:
         """Threads with a graph each for every section of a step; sections that do not split are the first thread's."""
         import warp as wp
 
+        from warp_mps.core.replay import capture
         from warp_mps.core.threads import Team, shares
 
         def task(section: Sequence[Any], share: tuple[int, int]) -> Callable[[], None]:
-            launches = [functools.partial(phase.launch, *share) for phase in section]
-            return functools.partial(wp.capture_launch, self._capture(launches))
+            def launch() -> None:
+                for phase in section:
+                    phase.launch(*share)
+
+            return functools.partial(wp.capture_launch, capture(launch, self._device))
 
         count, threads = self.particles.elastic, self._threads
         sections = [
@@ -380,3 +369,8 @@ class Simulation:
         if name not in self._seen:
             self._seen[name] = evaluate()
         return self._seen[name]
+
+
+def _repeat(launch: Callable[[], None], times: int) -> None:
+    for _ in range(times):
+        launch()

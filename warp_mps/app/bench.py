@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import itertools
 import sys
 import time
@@ -110,14 +111,13 @@ def _advance(simulation: Simulation, steps: int) -> None:
 
 def _shares(simulation: Simulation) -> str:
     """Each phase of a step alone, as a graph of its own, as a part of their sum."""
-    import warp as wp
+    from warp_mps.core.replay import capture
 
     device, count = simulation.device, simulation.particles.elastic
     times: dict[str, float] = {}
     for phase in simulation.solid.phases:
-        with wp.ScopedCapture(device=device) as capture:
-            phase.launch(0, count)
-        times[phase.name] = _fastest(_replay(capture.graph, simulation))
+        graph = capture(functools.partial(phase.launch, 0, count), device)
+        times[phase.name] = _fastest(_replay(graph, simulation))
     total = sum(times.values())
     return ", ".join(f"{name} {100.0 * value / total:.0f} %" for name, value in times.items())
 

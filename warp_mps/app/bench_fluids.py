@@ -165,8 +165,10 @@ def _interval(simulation: Simulation, steps: int) -> tuple[float, int]:
 
 def _shares(simulation: Simulation) -> str:
     """The parts of some more steps, each part a graph of its own, in percent of their sum."""
+    from warp_mps.core.replay import capture
+
     fluids = simulation.fluids
-    graphs = [(name, _captured(launch, simulation.device)) for name, launch in fluids.phases]
+    graphs = [(name, capture(launch, simulation.device)) for name, launch in fluids.phases]
     fluids.aim(fluids.time + 1e3 * SHARED_STEPS * fluids.step_limit)
     times: dict[str, float] = dict.fromkeys((name for name, _ in graphs if name != "rest"), 0.0) | {"rest": 0.0}
     for _ in range(SHARED_STEPS):
@@ -174,14 +176,6 @@ def _shares(simulation: Simulation) -> str:
             times[name] += _replay(graph, simulation)
     total = sum(times.values())
     return ", ".join(f"{name} {100.0 * value / total:.0f} %" for name, value in times.items())
-
-
-def _captured(launch: Any, device: str) -> Any:
-    import warp as wp
-
-    with wp.ScopedCapture(device=device) as capture:
-        launch()
-    return capture.graph
 
 
 def _replay(graph: Any, simulation: Simulation) -> float:

@@ -10,6 +10,7 @@ import warp as wp
 from warp_mps.core.kit import Kit
 from warp_mps.core.multilevel import Multilevel
 from warp_mps.core.multilevel import declare_kernels as declare_multilevel
+from warp_mps.core.replay import Replay
 from warp_mps.core.solver import ConjugateGradient, Matrix
 from warp_mps.core.solver import declare_kernels as declare_solver
 from warp_mps.errors import RunError
@@ -65,7 +66,8 @@ class Fluids(FluidReadings):
     """
 
     def __init__(self, scene: Scene, particles: Particles, *, kit: Kit, device: Any, graphs: bool = True) -> None:
-        self._particles, self._device, self._graphs, self._d = particles, device, graphs, kit.dimension
+        self._particles, self._device, self._d = particles, device, kit.dimension
+        self._replay = Replay(device=device, graphs=graphs)
         self._m = particles.liquid
         self._walls = particles.count - self._m
         fluid, flow = scene.fluids[0], scene.flow
@@ -95,7 +97,6 @@ class Fluids(FluidReadings):
         self._allocate(scene, flow.tolerance)
         n, m = self._walls + self._m, self._matrix
         self._implicit = ImplicitViscosity(n, self._walls, m, kit=kit, device=device) if implicit else None
-        self._graph: Any = None
         self._velocities_before, self._interval = particles.velocities, math.inf
 
     def _allocate(self, scene: Scene, tolerance: float) -> None:
@@ -155,7 +156,7 @@ class Fluids(FluidReadings):
         first = int(self.state.steps.numpy()[0])
         self._velocities_before, self._interval = self.velocities(), time - before
         while True:
-            self._launch_step()
+            self._replay("step", self.step)
             left = int(self._left.numpy()[0])
             if left <= 1:
                 break
@@ -170,16 +171,6 @@ class Fluids(FluidReadings):
     def aim(self, time: float) -> None:
         """Set the time that steps go towards [s]."""
         self._target.assign([time])
-
-    def _launch_step(self) -> None:
-        if not self._graphs:
-            self.step()
-            return
-        if self._graph is None:
-            with wp.ScopedCapture(device=self._device) as capture:
-                self.step()
-            self._graph = capture.graph
-        wp.capture_launch(self._graph)
 
     def step(self) -> None:
         """Advance by one step towards the target time."""

@@ -16,12 +16,12 @@ import numpy as np
 import warp as wp
 
 from warp_mps.core.kit import Kit
+from warp_mps.core.replay import Replay
 from warp_mps.core.solver import ChunkSums, ConjugateGradient
 from warp_mps.elastic.hamiltonian_model import HamiltonianModel
 from warp_mps.elastic.implicit import newton_kernels as names
 from warp_mps.elastic.implicit.newton_kernels import newton_kernels
 from warp_mps.elastic.implicit.operator import Tangent
-from warp_mps.elastic.implicit.replay import Replay
 from warp_mps.elastic.state import ElasticState
 
 # residual of the forces, relative to what they are measured by

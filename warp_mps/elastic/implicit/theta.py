@@ -24,10 +24,10 @@ import numpy as np
 import warp as wp
 
 from warp_mps.core.kit import Kit
+from warp_mps.core.replay import Replay
 from warp_mps.elastic.hamiltonian_model import HamiltonianModel
 from warp_mps.elastic.implicit.newton import Newton
 from warp_mps.elastic.implicit.records import solver_record
-from warp_mps.elastic.implicit.replay import Replay
 from warp_mps.elastic.implicit.step_kernels import step_kernels
 from warp_mps.elastic.solid import Solid
 from warp_mps.errors import RunError

@@ -8,6 +8,13 @@ from typing import Any
 import warp as wp
 
 
+def capture(launch: Callable[[], None], device: Any) -> Any:
+    """A graph of what is launched, which `warp.capture_launch` runs; nothing of it is run yet."""
+    with wp.ScopedCapture(device=device) as captured:
+        launch()
+    return captured.graph
+
+
 class Replay:
     """Replays what was launched under a name before.
 
@@ -26,7 +33,5 @@ class Replay:
             launch()
             return
         if name not in self._graphs:
-            with wp.ScopedCapture(device=self._device) as capture:
-                launch()
-            self._graphs[name] = capture.graph
+            self._graphs[name] = capture(launch, self._device)
         wp.capture_launch(self._graphs[name])
