@@ -9,8 +9,7 @@ import pytest
 
 from tests.scenes import block
 from warp_mps.errors import InputError
-from warp_mps.fluid import lists
-from warp_mps.fluid_checks import SKIN, remarks
+from warp_mps.fluid_checks import remarks
 from warp_mps.particles import fill_scene
 from warp_mps.scene import Flow, Fluid, Liquid, Load, Probe, Scene, Support, VelocityField, Wall
 from warp_mps.shapes import Box
@@ -185,10 +184,6 @@ def test_what_a_fluid_lacks_is_remarked() -> None:
     assert line.startswith("/World/Shelf: is 2 particles thick")
     assert "3 keep it apart" in line
     assert remarks(Scene(bodies=(block(2),), duration=1.0)) == []
-
-
-def test_the_least_period_is_that_of_the_neighbour_lists() -> None:
-    assert SKIN == lists.SKIN
 
 
 def test_a_fluid_inside_a_wall_is_refused() -> None:

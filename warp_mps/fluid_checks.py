@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from warp_mps import scene as sc
-from warp_mps.fluid.operators import EFFECTIVE_RADIUS
+from warp_mps.fluid.operators import SKIN
 from warp_mps.requirements import choice, in_range, place, positive, require, vector
 from warp_mps.shapes import Box
 
@@ -20,8 +20,6 @@ if TYPE_CHECKING:
 
 # relative difference up to which spacings are the same
 SAME = 1e-6
-# by how much neighbour lists reach beyond the effective radius, in spacings: `warp_mps.fluid.lists.SKIN`, without Warp
-SKIN = 0.3
 # two directions are at right angles when the cosine between them is no larger
 RIGHT_ANGLE = 1e-6
 
@@ -60,7 +58,7 @@ def _thin(wall: Wall, scene: Scene) -> list[str]:
     """
     if not isinstance(wall.shape, Box):
         return []
-    least = math.ceil(scene.flow.effective_radius or EFFECTIVE_RADIUS[scene.dimension]) - 1
+    least = math.ceil(scene.flow.radius(scene.dimension)) - 1
     rows = max(1, round(min(wall.shape.size[: scene.dimension]) / wall.spacing))
     if rows >= least:
         return []

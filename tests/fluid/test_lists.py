@@ -9,7 +9,8 @@ import warp as wp
 from tests.fluid.scenes import KINDS, apart
 from warp_mps.core.device import open_device
 from warp_mps.core.kit import kit
-from warp_mps.fluid.lists import SKIN, NeighbourLists
+from warp_mps.fluid.lists import NeighbourLists
+from warp_mps.fluid.operators import SKIN
 
 L0 = 0.1
 RADIUS = 2.1 * L0

@@ -72,7 +72,7 @@ class Fluids(FluidReadings):
         self._walls = particles.count - self._m
         fluid, flow = scene.fluids[0], scene.flow
         self._spacing, self._density, self._viscosity = fluid.spacing, fluid.liquid.density, fluid.liquid.viscosity
-        self.operators = operators(kit.dimension, fluid.spacing, flow.effective_radius)
+        self.operators = operators(kit.dimension, fluid.spacing, flow.radius(kit.dimension))
         self._gravity_host = np.asarray(scene.gravity if len(scene.gravity) else np.zeros(kit.dimension), float)
         self._gravity = kit.vec(*self._gravity_host)
         self._scheme = SCHEMES[flow.scheme]

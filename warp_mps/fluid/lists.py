@@ -13,10 +13,9 @@ import numpy as np
 import warp as wp
 
 from warp_mps.core.kit import Kit
+from warp_mps.fluid.operators import SKIN
 
 METHOD = "fluid"
-# margin beyond the effective radius, in particle spacings
-SKIN = 0.3
 # room for neighbours, in units of those in a full lattice with the margin
 ROOM = 1.6
 MOST_CELLS = {2: 4096, 3: 512}

@@ -24,7 +24,8 @@ import numpy as np
 
 from warp_mps.core.weights import lattice_distances, weight
 
-EFFECTIVE_RADIUS = {2: 3.1, 3: 2.1}
+# by how much neighbour lists reach beyond the effective radius, in particle spacings
+SKIN = 0.3
 
 
 @dataclass(frozen=True)
@@ -50,24 +51,23 @@ class Operators:
     original_gradient: float
 
 
-def operators(dimension: int, spacing: float, effective_radius: float | None = None) -> Operators:
+def operators(dimension: int, spacing: float, effective_radius: float) -> Operators:
     """Factors for a dimension and a spacing.
 
     Args:
         dimension: 2 or 3.
         spacing: Particle spacing l0 [m].
-        effective_radius: In spacings; None is the default of the dimension.
+        effective_radius: In spacings [-].
     """
-    reach = effective_radius or EFFECTIVE_RADIUS[dimension]
-    r = lattice_distances(dimension, reach)
-    r = r[r < reach]
-    w = weight(r, reach)
+    r = lattice_distances(dimension, effective_radius)
+    r = r[r < effective_radius]
+    w = weight(r, effective_radius)
     return Operators(
-        radius=reach * spacing,
+        radius=effective_radius * spacing,
         number_density=float(w.sum()),
         neighbours=len(r),
         divergence=float(dimension / np.sum(1.0 / r)) * spacing,
         laplacian=float(2.0 * dimension / np.sum(w * r**2)) / spacing**2,
-        gradient=float(dimension / np.sum((1.0 - r / reach) ** 3 * (r / reach) ** 2)),
+        gradient=float(dimension / np.sum((1.0 - r / effective_radius) ** 3 * (r / effective_radius) ** 2)),
         original_gradient=float(dimension / w.sum()),
     )
