@@ -100,7 +100,7 @@ def test_a_static_analysis_is_that_of_the_cpu(dimension: int) -> None:
         simulation.advance(2)
     cpu, gpu = (simulation.displacements for simulation in runs)
     np.testing.assert_allclose(gpu, cpu, rtol=0.0, atol=1e-7 * np.abs(cpu).max())
-    assert runs[1].implicit_record()["unsolved"] == 0
+    assert runs[1].record()["implicit"]["unsolved"] == 0
 
 
 def test_implicit_steps_are_those_of_the_cpu_and_repeat_to_the_same_bits() -> None:

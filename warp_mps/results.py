@@ -41,7 +41,8 @@ class RunSummary:
         energy: Energies at the end and ``drift``; see :func:`energy_record`.
         momentum_error: Largest resultant of the internal forces in a frame since then, as a part of the largest sum of
             their magnitudes [-].
-        fluid: Of fluids, particles lost and what the pressure solve did; see `Simulation.fluid_record`.
+        fluid: Of fluids, particles `lost`, iterations and largest true residual of the pressure solves, and how many
+            stayed `unsolved`.
         implicit: Of a static analysis and of implicit steps, what the solvers did: `equilibria` solved,
             Newton iterations, iterations of the linear solver, largest residual relative to the forces.
         measurements: Results; see :func:`measurement_rows`.

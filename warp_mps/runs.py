@@ -10,6 +10,7 @@ import time
 from dataclasses import replace
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -187,6 +188,7 @@ class _Run:
         simulation, history = self._simulation, self._probes.history
         wall = time.perf_counter() - begin
         particles, steps = simulation.particles, simulation.steps_done - self._first_step
+        solvers: dict[str, Any] = {**simulation.record()}
         done = {"solid": steps * particles.elastic, "fluid": steps * particles.liquid}
         self._summary = replace(
             self._summary,
@@ -198,11 +200,10 @@ class _Run:
             particle_steps_per_second={
                 kind: count / wall if wall > 0.0 and count else None for kind, count in done.items()
             },
-            fluid=simulation.fluid_record(),
-            implicit=simulation.implicit_record(),
             energy=energy_record(history),
             momentum_error=self._momentum.error,
             measurements=measurement_rows(simulation.scene, history),
+            **solvers,
         )
         self._summary.write(self._folder / SUMMARY)
 

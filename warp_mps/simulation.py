@@ -171,25 +171,9 @@ class Simulation:
             return min(self.scene.time_step or limit, limit), limit
         return self.clock.dt, self.clock.dt_limit
 
-    def fluid_record(self) -> dict[str, float]:
-        """Of fluids, the particles lost, and the pressure solves: iterations, true residual, those that failed."""
-        if not self.scene.fluids:
-            return {}
-        done = self.fluids.statistics()
-        return {
-            "lost": self.fluids.lost(),
-            "pressure_iterations": done.iterations / max(done.solves, 1),
-            "most_pressure_iterations": done.most_iterations,
-            "worst_pressure_residual": done.worst_residual,
-            "unsolved": done.stagnated + done.exhausted,
-        }
-
-    def implicit_record(self) -> dict[str, float]:
-        """Of implicit elastic bodies, what their solvers did; see `warp_mps.elastic.implicit.records`."""
-        from warp_mps.elastic.implicit.static import StaticSolid
-        from warp_mps.elastic.implicit.theta import ImplicitSolid
-
-        return self._system.record() if isinstance(self._system, StaticSolid | ImplicitSolid) else {}
+    def record(self) -> dict[str, dict[str, float]]:
+        """What the solvers of a paced system did, by the field of `warp_mps.results.RunSummary` that holds it."""
+        return self._paced.record() if self._paced else {}
 
     def advance(self, steps: int) -> None:
         """Advance by a number of time steps.

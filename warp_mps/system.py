@@ -73,3 +73,6 @@ class PacedSystem(System, Protocol):
         Raises:
             RunError: A step, or an equilibrium, could not be solved, or a fluid particle ran away.
         """
+
+    def record(self) -> dict[str, dict[str, float]]:
+        """What its solvers did so far, by the field of `warp_mps.results.RunSummary` that holds it."""

@@ -156,6 +156,19 @@ class FluidReadings:
         """What the pressure solve has done so far."""
         return self._solver.read_statistics()
 
+    def record(self) -> dict[str, dict[str, float]]:
+        """Particles lost, and what the pressure solves did, for run.json."""
+        done = self.statistics()
+        return {
+            "fluid": {
+                "lost": self.lost(),
+                "pressure_iterations": done.iterations / max(done.solves, 1),
+                "most_pressure_iterations": done.most_iterations,
+                "worst_pressure_residual": done.worst_residual,
+                "unsolved": done.stagnated + done.exhausted,
+            }
+        }
+
     def _turns(self, derivative: int) -> np.ndarray:
         turns = np.zeros_like(self._particles.angular_velocities)
         if self._poses:

@@ -92,9 +92,9 @@ class StaticSolid(Solid):
         """Elastic forces [N], shape [n, d]."""
         return self.state.force.numpy().astype(float)
 
-    def record(self) -> dict[str, float]:
+    def record(self) -> dict[str, dict[str, float]]:
         """What the solvers did, for run.json."""
-        return solver_record(self.newton)
+        return {"implicit": solver_record(self.newton)}
 
     def arrays(self) -> dict[str, np.ndarray]:
         """Everything that evolves, for a checkpoint."""

@@ -138,9 +138,9 @@ class ImplicitSolid(Solid):
         """Work done from outside so far [J]."""
         return float(np.sum(self._work.numpy()))
 
-    def record(self) -> dict[str, float]:
+    def record(self) -> dict[str, dict[str, float]]:
         """What the solvers did, for run.json."""
-        return solver_record(self.newton)
+        return {"implicit": solver_record(self.newton)}
 
     def arrays(self) -> dict[str, np.ndarray]:
         """Everything that evolves, for a checkpoint."""
