@@ -29,6 +29,7 @@ import warp as wp
 
 from warp_mps.core.kit import Kit
 from warp_mps.elastic.laws import law_funcs
+from warp_mps.elastic.pair_sums import pair_sums
 
 METHOD = "elastic"
 
@@ -41,6 +42,8 @@ def hamiltonian_kernels(kit: Kit) -> SimpleNamespace:
     """
     real, vec, mat = kit.real, kit.vec, kit.mat
     laws = law_funcs(kit)
+    sums = pair_sums(kit)
+    pair_moment, pair_force = sums.moment, sums.force
     law_stress, energy_density = laws.stress, laws.energy_density
     # the constants of a pair are formed in double precision whatever the run's: X_ij is a small difference
     vec64 = wp.types.vector(length=kit.dimension, dtype=wp.float64)
@@ -105,10 +108,7 @@ def hamiltonian_kernels(kit: Kit) -> SimpleNamespace:
     ):
         """H_i and B_i."""
         i = first + wp.tid()
-        u_i = u[i]
-        total = mat()
-        for k in range(start[i], start[i + 1]):
-            total += wp.outer(weight[k] * (u[index[k]] - u_i), bond[k])
+        total = pair_moment(i, start, index, bond, weight, u)
         inverse = inverse_shape[i]
         h = total * inverse
         gradient_out[i] = h
@@ -130,15 +130,9 @@ def hamiltonian_kernels(kit: Kit) -> SimpleNamespace:
         # State out:
         force_out: wp.array(dtype=vec),
     ):
+        """F_i."""
         i = first + wp.tid()
-        u_i = u[i]
-        pull_i = pull[i]
-        kappa_i = kappa[i]
-        total = vec()
-        for k in range(start[i], start[i + 1]):
-            j = index[k]
-            total += weight[k] * ((pull_i + pull[j]) * bond[k] + (kappa_i + kappa[j]) * (u[j] - u_i))
-        force_out[i] = total
+        force_out[i] = pair_force(i, start, index, bond, weight, kappa, u, pull)
 
     @kit.kernel(METHOD)
     def energy(

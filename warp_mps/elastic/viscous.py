@@ -33,6 +33,7 @@ from types import SimpleNamespace
 import warp as wp
 
 from warp_mps.core.kit import Kit
+from warp_mps.elastic.pair_sums import pair_sums
 
 METHOD = "elastic"
 
@@ -41,6 +42,7 @@ METHOD = "elastic"
 def viscous_kernels(kit: Kit) -> SimpleNamespace:
     """Kernels `viscous_stress` and `viscous_force`."""
     real, vec, mat = kit.real, kit.vec, kit.mat
+    pair_moment = pair_sums(kit).moment
 
     @kit.kernel(METHOD)
     def viscous_stress(
@@ -69,9 +71,7 @@ def viscous_kernels(kit: Kit) -> SimpleNamespace:
         i = first + wp.tid()
         u_i = u[i]
         v_i = v[i]
-        total = mat()
-        for k in range(start[i], start[i + 1]):
-            total += wp.outer(weight[k] * (v[index[k]] - v_i), bond[k])
+        total = pair_moment(i, start, index, bond, weight, v)
         inverse = inverse_shape[i]
         rate = total * inverse
         one = wp.identity(n=wp.static(kit.dimension), dtype=real)

@@ -25,6 +25,7 @@ import warp as wp
 from warp_mps.core.kit import Kit
 from warp_mps.core.solver_kernels import FRESH
 from warp_mps.elastic.laws import law_funcs
+from warp_mps.elastic.pair_sums import pair_sums
 
 METHOD = "implicit"
 
@@ -39,6 +40,8 @@ def tangent_kernels(kit: Kit) -> SimpleNamespace:
     real64 = wp.float64
     vec64 = wp.types.vector(length=d, dtype=wp.float64)
     mat64 = wp.types.matrix(shape=(d, d), dtype=wp.float64)
+    sums = pair_sums(kit)
+    pair_moment, pair_force = sums.moment, sums.force
     stress_change = law_funcs(kit).stress_change
 
     @kit.kernel(METHOD)
@@ -79,10 +82,7 @@ def tangent_kernels(kit: Kit) -> SimpleNamespace:
     ):
         """DB_i."""
         i = wp.tid()
-        d_i = direction[i]
-        total = mat()
-        for k in range(start[i], start[i + 1]):
-            total += wp.outer(weight[k] * (direction[index[k]] - d_i), bond[k])
+        total = pair_moment(i, start, index, bond, weight, direction)
         inverse = inverse_shape[i]
         dh = total * inverse
         dp = stress_change(law[i], gradient[i], dh, lame[i], mu[i], plane_stress)
@@ -106,14 +106,8 @@ def tangent_kernels(kit: Kit) -> SimpleNamespace:
     ):
         """(K + m a) du."""
         i = wp.tid()
-        d_i = direction[i]
-        change_i = change[i]
-        kappa_i = kappa[i]
-        total = vec()
-        for k in range(start[i], start[i + 1]):
-            j = index[k]
-            total += weight[k] * ((change_i + change[j]) * bond[k] + (kappa_i + kappa[j]) * (direction[j] - d_i))
-        product_out[i] = (inertia[0] * real64(mass[i])) * vec64(d_i) - vec64(total)
+        force = pair_force(i, start, index, bond, weight, kappa, direction, change)
+        product_out[i] = (inertia[0] * real64(mass[i])) * vec64(direction[i]) - vec64(force)
 
     @kit.func(METHOD)
     def acoustic(c: real, f: mat, b: vec, lame: real, mu: real, law: wp.int32, plane_stress: wp.int32) -> mat:
