@@ -42,22 +42,27 @@ def rigid_kernels(kit: Kit) -> SimpleNamespace:
             return wp.cross(axis, r)
 
     @kit.func(METHOD)
-    def displaced(shift: vec64, angle: wp.float64, axis: wp.vec3d, r: vec64) -> vec64:
-        """Displacement x - X."""
+    def carry(
+        w: wp.int32,
+        x: vec64,
+        pivot: wp.array(dtype=vec64),
+        axis: wp.array(dtype=wp.vec3d),
+        value: wp.array(dtype=vec64, ndim=2),
+        rate: wp.array(dtype=vec64, ndim=2),
+        second: wp.array(dtype=vec64, ndim=2),
+    ):
+        """Displacement, velocity and acceleration of the point X of a wall; R r is its arm from the displaced pivot."""
+        k = axis[w]
+        r = x - pivot[w]
+        angle = value[w, 1][0]
         half = wp.sin(wp.float64(0.5) * angle)
-        across = about(axis, r)
-        return shift + wp.sin(angle) * across + (wp.float64(2.0) * half * half) * about(axis, across)
-
-    @kit.func(METHOD)
-    def speed(rate: vec64, spin: wp.float64, axis: wp.vec3d, arm: vec64) -> vec64:
-        """Velocity of a point whose arm from the displaced pivot is R r."""
-        return rate + spin * about(axis, arm)
-
-    @kit.func(METHOD)
-    def acceleration(second: vec64, spin: wp.float64, spin_up: wp.float64, axis: wp.vec3d, arm: vec64) -> vec64:
-        """Acceleration of a point whose arm from the displaced pivot is R r."""
-        across = about(axis, arm)
-        return second + spin_up * across + (spin * spin) * about(axis, across)
+        across = about(k, r)
+        u = value[w, 0] + wp.sin(angle) * across + (wp.float64(2.0) * half * half) * about(k, across)
+        spin = rate[w, 1][0]
+        around = about(k, r + u - value[w, 0])
+        v = rate[w, 0] + spin * around
+        a = second[w, 0] + second[w, 1][0] * around + (spin * spin) * about(k, around)
+        return u, v, a
 
     @kit.kernel(METHOD)
     def clock(steps: wp.array(dtype=wp.int32), dt: wp.float64, time_out: wp.array(dtype=wp.float64)):
@@ -142,13 +147,10 @@ def rigid_kernels(kit: Kit) -> SimpleNamespace:
         i = first + wp.tid()
         w = wall[i]
         if w >= 0:
-            r = reference[i] - pivot[w]
-            u = displaced(value[w, 0], value[w, 1][0], axis[w], r)
-            arm = r + u - value[w, 0]
-            spin = rate[w, 1][0]
+            u, v, a = carry(w, reference[i], pivot, axis, value, rate, second)
             x_out[i] = vec(reference[i] + u)
-            v_out[i] = vec(speed(rate[w, 0], spin, axis[w], arm))
-            a_out[i] = vec(acceleration(second[w, 0], spin, second[w, 1][0], axis[w], arm))
+            v_out[i] = vec(v)
+            a_out[i] = vec(a)
 
     @kit.kernel(METHOD)
     def drive(
@@ -178,15 +180,11 @@ def rigid_kernels(kit: Kit) -> SimpleNamespace:
         """
         i = first + wp.tid()
         n = i - elastic
-        w = wall[i]
-        r = reference[i] - pivot[w]
-        new = displaced(value[w, 0], value[w, 1][0], axis[w], r)
-        arm = r + new - value[w, 0]
-        spin = rate[w, 1][0]
+        new, v, a = carry(wall[i], reference[i], pivot, axis, value, rate, second)
         move = vec(new) - u[i]
         u[i] = vec(new)
-        v_out[i] = vec(speed(rate[w, 0], spin, axis[w], arm))
-        a_out[i] = vec(acceleration(second[w, 0], spin, second[w, 1][0], axis[w], arm))
+        v_out[i] = vec(v)
+        a_out[i] = vec(a)
         move_out[n] = move
         work[n] = work[n] - wp.float64(0.5) * wp.float64(wp.dot(contact[i], move))
 
