@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from tests.bits import assert_same_bits
 from tests.elastic.implicit.test_static import cantilever
 from tests.elastic.implicit.test_theta import rod
 from tests.elastic.test_viscosity import viscous
@@ -89,8 +90,7 @@ def test_water_on_the_gpu(dimension: int, precision: str) -> None:
     np.testing.assert_allclose(runs[0].positions, cpu.positions, rtol=0.0, atol=near)
     arrays = [simulation.state_arrays() for simulation in runs]
     for other in arrays[1:]:
-        for name, values in arrays[0].items():
-            np.testing.assert_array_equal(other[name], values, err_msg=name)
+        assert_same_bits([other], arrays[:1])
 
 
 @pytest.mark.parametrize("dimension", [2, 3])

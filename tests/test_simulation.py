@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 import warp as wp
 
+from tests.bits import assert_same_bits, states
 from tests.scenes import block, scene_of
 from warp_mps.errors import InputError, RunError
 from warp_mps.observers.base import View
@@ -63,22 +64,6 @@ def everything(dimension: int) -> Scene:
         damping=5.0,
         contact=Contact(between="all"),
     )
-
-
-def states(simulation: Simulation, *chunks: int) -> list[dict[str, np.ndarray]]:
-    """The state after each of some numbers of steps."""
-    found = []
-    for steps in chunks:
-        simulation.advance(steps)
-        found.append(simulation.state_arrays())
-    return found
-
-
-def assert_same_bits(left: list[dict[str, np.ndarray]], right: list[dict[str, np.ndarray]]) -> None:
-    for a, b in zip(left, right, strict=True):
-        assert a.keys() == b.keys()
-        for name, values in a.items():
-            np.testing.assert_array_equal(values, b[name], err_msg=name)
 
 
 @pytest.mark.parametrize(("dimension", "precision"), KINDS)

@@ -7,10 +7,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from tests.bits import assert_same_bits, states
 from tests.elastic.linear_hamiltonian import linear_hamiltonian
 from tests.elastic.states import rigid_displacement, strain
 from tests.scenes import HAMILTONIAN, angular_momentum, block, random, scene_of
-from tests.test_simulation import assert_same_bits, everything, states
+from tests.test_simulation import everything
 from warp_mps.particles import fill_scene
 from warp_mps.scene import LAWS, Body, Material, Scene, Support, VelocityField
 from warp_mps.shapes import Box

@@ -8,11 +8,12 @@ import numpy as np
 import pytest
 from scipy.optimize import curve_fit
 
+from tests.bits import assert_same_bits, states
 from tests.elastic.linear_hamiltonian import linear_hamiltonian
 from tests.elastic.states import rigid_displacement, strain
 from tests.elastic.test_hamiltonian import PLANES, irregular, strained_state
 from tests.scenes import HAMILTONIAN, RUBBER, angular_momentum, beam, block, cross, random, scene_of
-from tests.test_simulation import assert_same_bits, everything, states
+from tests.test_simulation import everything
 from warp_mps.clock import Clock
 from warp_mps.core.device import open_device
 from warp_mps.core.kit import kit

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from tests.bits import assert_same_bits, states
 from tests.fluid.scenes import KINDS, L0, SCHEMES, fluids_of, scene_of, tank, wall_count, water
 from warp_mps.errors import InputError, RunError
 from warp_mps.fluid import fluids as fluids_module
@@ -30,22 +31,6 @@ def splash(dimension: int, **flow: object) -> Scene:
         duration=0.3,
         frame_rate=1.0 / INTERVAL,
     )
-
-
-def states(simulation: Simulation, *chunks: int) -> list[dict[str, np.ndarray]]:
-    """The state after each of some numbers of intervals."""
-    found = []
-    for intervals in chunks:
-        simulation.advance(intervals)
-        found.append(simulation.state_arrays())
-    return found
-
-
-def assert_same_bits(left: list[dict[str, np.ndarray]], right: list[dict[str, np.ndarray]]) -> None:
-    for a, b in zip(left, right, strict=True):
-        assert a.keys() == b.keys()
-        for name, values in a.items():
-            np.testing.assert_array_equal(values, b[name], err_msg=name)
 
 
 @pytest.mark.parametrize(("dimension", "precision"), KINDS)

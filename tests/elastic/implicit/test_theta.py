@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from tests.bits import assert_restored_goes_on, assert_same_bits, states
 from tests.elastic.implicit.plates import DEFLECTION, plate
 from tests.scenes import angular_momentum, block
 from warp_mps.elastic.implicit.theta import ImplicitSolid
@@ -209,8 +210,7 @@ def test_a_saved_state_comes_back_and_leads_to_the_same_bits() -> None:
     assert (pushed[0] - first[0])[force[:, 1] > 0.0, 1].min() > 1e-6
     assert np.abs(pushed[1] - first[1]).max() > 1e-3
     solid.restore()
-    for name, values in solid.arrays().items():
-        assert (values == before[name]).all(), name
+    assert_same_bits([solid.arrays()], [before])
 
 
 def test_an_external_force_is_as_good_as_a_load() -> None:
@@ -231,13 +231,9 @@ def test_an_external_force_is_as_good_as_a_load() -> None:
 
 @pytest.mark.parametrize("precision", ["float64", "float32"])
 def test_graphs_give_the_same_bits(precision: str) -> None:
-    states = []
-    for graphs in (True, False):
-        simulation = Simulation(rod(gravity=(0.0, -9.81), time_step=5e-4), precision=precision, graphs=graphs)
-        simulation.advance(5)
-        states.append(simulation.state_arrays())
-    for name, values in states[0].items():
-        assert (values == states[1][name]).all(), name
+    scene = rod(gravity=(0.0, -9.81), time_step=5e-4)
+    replayed, eager = (states(Simulation(scene, precision=precision, graphs=graphs), 5) for graphs in (True, False))
+    assert_same_bits(replayed, eager)
 
 
 def test_a_restored_run_goes_on_to_the_same_bits() -> None:
@@ -245,15 +241,7 @@ def test_a_restored_run_goes_on_to_the_same_bits() -> None:
     supports = (Support(name="clamp", region=EDGE, motion=motion),)
     push = Load(name="push", region=TIP, force=(20.0, -50.0), frequency=30.0)
     scene = rod(gravity=(0.0, -9.81), time_step=5e-4, supports=supports, loads=(push,), damping=2.0)
-    whole, first, second = (Simulation(scene) for _ in range(3))
-    whole.advance(8)
-    first.advance(5)
-    second.restore(first.state_arrays())
-    for name in ("reactions", "internal_forces", "stresses", "energy"):
-        np.testing.assert_equal(getattr(second, name), getattr(first, name))
-    second.advance(3)
-    for name, values in whole.state_arrays().items():
-        assert (values == second.state_arrays()[name]).all(), name
+    assert_restored_goes_on(scene, 5, 3)
 
 
 def test_single_precision_moves_the_same() -> None:

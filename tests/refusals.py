@@ -1,0 +1,20 @@
+"""How a scene is refused that cannot be run."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import pytest
+
+from warp_mps.errors import InputError
+
+
+def assert_refused(make: Callable[[], object], where: str, attribute: str, reason: str) -> None:
+    """Check that making a scene is refused in one line with the place, the attribute, and a part of the reason."""
+    with pytest.raises(InputError) as refusal:
+        make()
+    error = refusal.value
+    assert (error.where, error.attribute) == (where, attribute)
+    assert reason in error.reason
+    assert str(error) == f"{where} {attribute}: {error.reason}"
+    assert "\n" not in str(error)
