@@ -232,6 +232,7 @@ def _provenance(simulation: Simulation) -> dict[str, str | float | int]:
         "case": scene.name,
         "program": f"warp_mps {__version__}",
         "model": scene.flow.scheme if scene.fluids else scene.elasticity.model,
+        "analysis": scene.analysis,
         "device": simulation.device,
         "precision": simulation.precision,
         "time step [s]": simulation.dt,

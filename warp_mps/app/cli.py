@@ -129,6 +129,8 @@ COMMANDS: dict[str, Callable[..., int]] = {
     "bench": bench,
     "convert": looking.convert,
     "plot": looking.plot,
+    "picture": looking.picture,
+    "video": looking.video,
 }
 
 

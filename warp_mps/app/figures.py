@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -68,11 +68,26 @@ def save(figure: Figure, path: Path) -> None:
     Raises:
         InputError: It cannot be written.
     """
-    temporary = path.with_name(f".{path.name}.new")
+    write_file(path, lambda temporary: figure.savefig(temporary, format=path.suffix[1:].lower()))
+
+
+def write_file(path: Path, write: Callable[[Path], object]) -> None:
+    """Write a file in one step, in a folder that is made if need be.
+
+    Args:
+        path: The file.
+        write: Writes to the path that it is given, which lies in the same folder and ends likewise.
+
+    Raises:
+        InputError: It cannot be written.
+    """
+    temporary = path.with_name(f".new.{path.name}")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        figure.savefig(temporary, format=path.suffix[1:].lower())
+        write(temporary)
         os.replace(temporary, path)
-    except OSError as error:
+    except BaseException as error:
         temporary.unlink(missing_ok=True)
-        raise InputError(str(path), "", f"cannot be written: {error.strerror}") from error
+        if isinstance(error, OSError):
+            raise InputError(str(path), "", f"cannot be written: {error.strerror}") from error
+        raise

@@ -9,6 +9,19 @@ from tyro.conf import Positional, arg
 
 Folder = Annotated[Path, arg(metavar="DIR", help="Folder of a run, such as runs/CASE.")]
 Overwrite = Annotated[bool, arg(help="Replace files that are there.")]
+Colour = Annotated[
+    str | None,
+    arg(metavar="NAME", help="body, speed, pressure or another output; default: von_mises if there, else pressure."),
+]
+Limits = Annotated[
+    tuple[float, float] | None,
+    arg(metavar="LOW HIGH", help="Values of the first and the last colour, in SI units; default: as the run has them."),
+]
+Size = Annotated[tuple[int, int] | None, arg(metavar="W H", help="Width and height in pixels; default: as suits.")]
+View = Annotated[
+    tuple[float, float, float] | None,
+    arg(metavar="X Y Z", help="Direction from the scene to the camera; default: a plane's normal, or obliquely."),
+]
 
 
 def convert(
@@ -43,3 +56,49 @@ def plot(
     from warp_mps.app.plot import plot_history
 
     return plot_history(folder, out, overwrite=overwrite)
+
+
+def picture(
+    folder: Positional[Folder],
+    *,
+    out: Annotated[
+        Path | None, arg(metavar="FILE", help="File to write: .png or .webp; default: DIR/picture.png.")
+    ] = None,
+    time: Annotated[float | None, arg(metavar="S", help="Moment to draw [s]; default: the last.")] = None,
+    colour: Colour = None,
+    limits: Limits = None,
+    size: Size = None,
+    view: View = None,
+    overwrite: Overwrite = False,
+) -> int:
+    """Draw a moment of a run: particles as shaded spheres, coloured by a quantity, with a colour bar.
+
+    In 3-D the nearer particles hide the farther ones, and walls that stand before the others are as if of glass.
+    """
+    from warp_mps.app.picture import Look, draw_picture
+
+    look = Look(colour, limits, size, view)
+    return draw_picture(folder, out, time=time, look=look, overwrite=overwrite)
+
+
+def video(
+    folder: Positional[Folder],
+    *,
+    out: Annotated[
+        Path | None,
+        arg(metavar="FILE", help="File to write: .mp4 (needs warp_mps[video]), .webp or .gif; default: DIR/video.*."),
+    ] = None,
+    seconds: Annotated[
+        float | None, arg(metavar="S", help="How long it plays [s]; default: as the animation plays, at most 20.")
+    ] = None,
+    colour: Colour = None,
+    limits: Limits = None,
+    size: Size = None,
+    view: View = None,
+    overwrite: Overwrite = False,
+) -> int:
+    """Make a video of a run, of pictures as `warp-mps picture` draws them, all from one place."""
+    from warp_mps.app.picture import Look
+    from warp_mps.app.video import make_video
+
+    return make_video(folder, out, seconds=seconds, look=Look(colour, limits, size, view), overwrite=overwrite)

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from pxr import Usd, UsdGeom, UsdPhysics
+from pxr import Sdf, Usd, UsdGeom, UsdPhysics
 
 from warp_mps.errors import InputError
 from warp_mps.usd.opening import open_stage
@@ -16,6 +16,9 @@ from warp_mps.usd.opening import open_stage
 ANIMATION = "run.usdc"
 # SI units of the quantities that a result may hold; points, velocities and widths are in the stage's units
 UNITS = {"pressure": "Pa", "stress": "Pa", "strain": "1", "von_mises": "Pa", "strain_energy": "J/m^3"}
+
+# frames that stand for all of a run, and particles of them at most
+SAMPLE_FRAMES, SAMPLE = 24, 4_000_000
 
 
 def find_run(folder: Path) -> Path:
@@ -50,12 +53,16 @@ class Cloud:
         role: ``body``, ``wall`` or ``fluid``.
         ids: Ids, shape [n].
         widths: Widths [stage units], shape [n].
+        color: Its colour, as red, green and blue from 0 to 1, shape [3].
+        scalars: Names of the quantities that are one number a particle.
     """
 
     name: str
     role: str
     ids: np.ndarray
     widths: np.ndarray
+    color: np.ndarray
+    scalars: tuple[str, ...]
 
 
 class Animation:
@@ -65,6 +72,7 @@ class Animation:
         path: File that was read.
         clouds: Bodies, walls and fluids, in the order of the file.
         times: Times of the frames [s], shape [frames].
+        playback_rate: Frames that a player shows in a second [1/s].
         meters_per_unit: Length of the stage's unit [m].
         kilograms_per_unit: Mass of the stage's unit [kg].
         up_axis: ``Y`` or ``Z``.
@@ -87,6 +95,7 @@ class Animation:
         self._points = points
         self.clouds = tuple(_cloud(item) for item in points)
         self.times = np.array(self._codes) / self._stage.GetTimeCodesPerSecond()
+        self.playback_rate = float(self._stage.GetFramesPerSecond())
         self.meters_per_unit = float(UsdGeom.GetStageMetersPerUnit(self._stage))
         self.kilograms_per_unit = float(UsdPhysics.GetStageKilogramsPerUnit(self._stage))
         self.up_axis = str(UsdGeom.GetStageUpAxis(self._stage))
@@ -96,6 +105,11 @@ class Animation:
         """Number of frames."""
         return len(self._codes)
 
+    def some_frames(self) -> list[int]:
+        """Frames that stand for all, the first and the last among them: so many that they fit the memory."""
+        most = int(np.clip(SAMPLE // max(1, sum(len(cloud.ids) for cloud in self.clouds)), 2, SAMPLE_FRAMES))
+        return [int(frame) for frame in np.unique(np.linspace(0, len(self) - 1, most).astype(int))]
+
     def points(self, cloud: int, frame: int) -> np.ndarray:
         """Positions of a cloud [stage units], shape [n, 3]."""
         return np.array(self._points[cloud].GetPointsAttr().Get(self._codes[frame]), dtype=float).reshape(-1, 3)
@@ -103,6 +117,11 @@ class Animation:
     def velocities(self, cloud: int, frame: int) -> np.ndarray:
         """Velocities of a cloud [stage units/s], shape [n, 3]."""
         return np.array(self._points[cloud].GetVelocitiesAttr().Get(self._codes[frame]), dtype=float).reshape(-1, 3)
+
+    def scalar(self, cloud: int, frame: int, name: str) -> np.ndarray:
+        """One of the further quantities of a cloud that are one number a particle [SI units], shape [n]."""
+        primvar = UsdGeom.PrimvarsAPI(self._points[cloud]).GetPrimvar(name)
+        return np.array(primvar.Get(self._codes[frame]), dtype=float).reshape(-1)
 
     def quantities(self, cloud: int, frame: int) -> dict[str, np.ndarray]:
         """The further quantities of a cloud [SI units], by name, shape [n], [n, 3] or [n, 3, 3]."""
@@ -117,9 +136,14 @@ class Animation:
 
 def _cloud(item: UsdGeom.Points) -> Cloud:
     prim: Usd.Prim = item.GetPrim()
+    vertex = [var for var in UsdGeom.PrimvarsAPI(item).GetPrimvars() if var.GetInterpolation() == UsdGeom.Tokens.vertex]
     return Cloud(
         name=prim.GetName(),
         role=str(prim.GetCustomDataByKey("role") or "body"),
         ids=np.array(item.GetIdsAttr().Get(), dtype=np.int64).reshape(-1),
         widths=np.array(item.GetWidthsAttr().Get(), dtype=np.float32).reshape(-1),
+        color=np.array(item.GetDisplayColorAttr().Get(), dtype=float).reshape(-1, 3)[0],
+        scalars=tuple(
+            str(var.GetPrimvarName()) for var in vertex if var.GetTypeName() == Sdf.ValueTypeNames.FloatArray
+        ),
     )
