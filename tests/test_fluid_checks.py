@@ -54,7 +54,6 @@ def probe(**fields: Any) -> dict[str, Any]:
 
 BROKEN: list[tuple[str, str, str, dict[str, Any]]] = [
     ("/World", "bodies", "no body and no fluid", {"fluids": ()}),
-    ("/World", "fluids", "cannot be in one scene with elastic bodies", {"bodies": (block(2),)}),
     ("/World/water", "density", "above 0", fluid(liquid=Liquid(density=0.0))),
     ("/World/oil", "density", "above 0", fluid(liquid=Liquid(density=-1.0, path="/World/oil"))),
     ("/World/oil", "viscosity", "at least 0", fluid(liquid=Liquid(viscosity=-1e-6, path="/World/oil"))),

@@ -42,7 +42,7 @@ def moved(motion: Any) -> dict[str, Any]:
 
 BROKEN: list[tuple[str, str, str, dict[str, Any]]] = [
     ("/World", "analysis", "must be one of: dynamic, static", {"analysis": "modal"}),
-    ("/World", "integrator", "must be one of: explicit, implicit", {"integrator": "newmark"}),
+    ("/World", "integrator", "must be one of: auto, explicit, implicit", {"integrator": "newmark"}),
     ("/World", "theta", "between 0.5 and 1", {"theta": 0.49}),
     ("/World", "theta", "between 0.5 and 1", {**STEPS, "theta": 1.01}),
     ("/World", "load_steps", "at least 1", {**STATIC, "load_steps": 0}),

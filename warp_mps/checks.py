@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from warp_mps import scene as sc
+from warp_mps.coupling_checks import check_coupling
 from warp_mps.fluid_checks import check_fluids, check_velocity_field
 from warp_mps.implicit_checks import check_implicit
 from warp_mps.record_checks import check_measurement, check_probe, names_of_bodies
@@ -39,13 +40,6 @@ def check_scene(scene: Scene) -> None:
     _scene_numbers(scene)
     _frame(scene)
     _require(bool(scene.bodies or scene.fluids), scene.path, "bodies", "there is no body and no fluid to simulate")
-    together = bool(scene.bodies and scene.fluids)
-    _require(
-        not together,
-        scene.path,
-        "fluids",
-        "cannot be in one scene with elastic bodies: they do not act on each other yet",
-    )
     _unique(scene)
     for body in scene.bodies:
         _body(scene, body)
@@ -55,6 +49,7 @@ def check_scene(scene: Scene) -> None:
         _filled(fluid, place(fluid, "fluid"))
         _start(scene, fluid, place(fluid, "fluid"))
     check_fluids(scene)
+    check_coupling(scene)
     check_implicit(scene)
     for support in scene.supports:
         _support(scene, support)

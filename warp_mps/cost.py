@@ -14,7 +14,7 @@ from warp_mps.clock import Clock
 from warp_mps.core.weights import lattice_neighbours
 from warp_mps.elastic.material import stable_time_step
 from warp_mps.errors import InputError
-from warp_mps.particles import count_particles, fill_scene, kind_of
+from warp_mps.particles import Particles, count_particles, fill_scene, kind_of
 from warp_mps.scene import Scene
 
 # seconds a particle-step and neighbour on one CPU core, as the benchmark measures it (2-D, 3-D)
@@ -44,6 +44,8 @@ BYTES_OF_SOLVER = {2: 600, 3: 1000}
 # of the linear solver: in statics in units of the particles along an edge of a square or a cube of them
 NEWTON = {"static": 6.0, "dynamic": 2.0}
 PRODUCT, LINEAR = 2.5, 12.0
+# pressure solves of a step until water and bodies agree, the larger part of it
+PASSES = 3.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -121,6 +123,7 @@ def _estimate_fluids(scene: Scene) -> Cost:
     limit, _ = step_limit(scene, filled)
     dt = min(limit, scene.time_step or limit, clock.dt)
     steps = math.ceil(scene.duration / dt - 1e-6)
+    passes = PASSES if scene.bodies else 1.0
     return Cost(
         particles=particles,
         neighbours=lattice_neighbours(scene.dimension, scene.flow.radius(scene.dimension)),
@@ -129,8 +132,29 @@ def _estimate_fluids(scene: Scene) -> Cost:
         steps=steps,
         frames=clock.steps // clock.frame_every + 1,
         memory=memory_of(scene, filled.count),
-        seconds=steps * filled.count * SECONDS_PER_FLUID_STEP[scene.dimension],
+        seconds=steps * (filled.count * SECONDS_PER_FLUID_STEP[scene.dimension] * passes + _of_bodies(scene, filled)),
     )
+
+
+def _of_bodies(scene: Scene, particles: Particles) -> float:
+    """Seconds that the elastic bodies take in a step of the water about them."""
+    from warp_mps.coupling.choice import stable_step, substep, takes_implicit_steps
+    from warp_mps.fluid.limits import step_limit
+
+    if not scene.bodies:
+        return 0.0
+    limit, _ = step_limit(scene, particles)
+    dt = min(limit, scene.time_step or limit)
+    if takes_implicit_steps(scene, particles):
+        iterations = min(LINEAR * particles.elastic ** (1.0 / scene.dimension), 1.0 + 2.0 * dt / stable_step(scene))
+        steps = PRODUCT * NEWTON["dynamic"] * iterations
+    else:
+        steps = dt / substep(scene, particles, Clock(scene).dt)
+    neighbours = lattice_neighbours(scene.dimension, scene.elasticity.effective_radius)
+    contact = _contact_of(scene, SECONDS_OF_CONTACT, SECONDS_OF_FRICTION)
+    pairs = neighbours * SECONDS_PER_PAIR[scene.elasticity.model][scene.dimension]
+    dry = particles.count - particles.liquid
+    return (PASSES + 1.0) * steps * (particles.elastic * pairs + dry * contact)
 
 
 def memory_of(scene: Scene, particles: int) -> float:

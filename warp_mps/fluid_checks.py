@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from warp_mps import scene as sc
+from warp_mps.coupling_checks import remarks_on_bodies
 from warp_mps.fluid.operators import SKIN
 from warp_mps.requirements import choice, in_range, place, positive, require, vector
 from warp_mps.shapes import Box
@@ -48,7 +49,8 @@ def remarks(scene: Scene) -> list[str]:
     lines = [] if scene.walls else ["no walls: nothing holds the fluid"]
     if not any(scene.gravity):
         lines.append("no gravity: the fluid has no weight")
-    return [*lines, *(line for wall in scene.walls for line in _thin(wall, scene))]
+    lines += [line for wall in scene.walls for line in _thin(wall, scene)]
+    return [*lines, *remarks_on_bodies(scene)]
 
 
 def _thin(wall: Wall, scene: Scene) -> list[str]:
@@ -72,8 +74,19 @@ def probe_quantities(probe: Probe, scene: Scene) -> tuple[str, ...]:
         return sc.WALL_QUANTITIES
     if probe.body in [fluid.name for fluid in scene.fluids]:
         return sc.FLUID_QUANTITIES["body"]
-    in_fluid = scene.fluids and probe.body is None
-    return (sc.FLUID_QUANTITIES if in_fluid else sc.PROBE_QUANTITIES)[probe.where]
+    if probe.body is not None or probe.support is not None or not scene.fluids:
+        return sc.PROBE_QUANTITIES[probe.where]
+    fluid = sc.FLUID_QUANTITIES[probe.where]
+    return tuple(dict.fromkeys((*fluid, *sc.PROBE_QUANTITIES[probe.where]))) if scene.bodies else fluid
+
+
+def is_in_fluid(probe: Probe, scene: Scene) -> bool:
+    """Whether a probe at a point or a region looks at the fluid there, or at the material of a body.
+
+    Where a scene has both, what both have is the fluid's.
+    """
+    placed = probe.point is not None or probe.region is not None
+    return bool(scene.fluids) and placed and (not scene.bodies or probe.quantity in sc.FLUID_QUANTITIES[probe.where])
 
 
 def check_probed_fluid(probe: Probe, scene: Scene, where: str) -> None:
@@ -86,7 +99,7 @@ def check_probed_fluid(probe: Probe, scene: Scene, where: str) -> None:
         require(any(scene.gravity), where, "quantity", "is 'elevation', which needs gravity to tell what is up")
     if probe.moves_with is None:
         return
-    good = bool(scene.fluids) and probe.point is not None
+    good = is_in_fluid(probe, scene) and probe.point is not None
     require(good, where, "moves_with", "is for a point in a scene of fluids")
     known = [wall.name for wall in scene.walls]
     require(probe.moves_with in known, where, "moves_with", f"names no wall: {probe.moves_with!r}")

@@ -27,16 +27,16 @@ def check_implicit(scene: Scene) -> None:
     if scene.analysis == "static":
         require(not scene.fluids, where, "analysis", "is 'static', which is for elastic bodies: fluids flow")
         _at_rest(scene)
-    elif scene.fluids:
-        require(not scene.implicit, where, "integrator", "is 'implicit', which is for elastic bodies")
-    if not scene.implicit or scene.fluids:
+    if not scene.implicit:
         return
+    require(bool(scene.bodies), where, "integrator", "is 'implicit', which is for elastic bodies")
     word, attribute = (scene.analysis, "analysis") if scene.analysis == "static" else (scene.integrator, "integrator")
     model = scene.elasticity.model
     reason = f"is {model!r}, which has no tangent; {word!r} needs hamiltonian"
     require(model == "hamiltonian", where, "model", reason)
-    require(not scene.walls, where, attribute, f"is {word!r}, which knows no walls: use supports")
-    several = len(joined(scene.bodies[0], scene)) < len(scene.bodies)
+    if not scene.fluids:  # which have walls of their own
+        require(not scene.walls, where, attribute, f"is {word!r}, which knows no walls: use supports")
+    several = len(joined(scene.bodies[0], scene)) < len(scene.bodies) or bool(scene.walls)
     touch = scene.contact.between == "all" or (scene.contact.between == "bodies" and several)
     require(not touch, where, "contact", f"is {scene.contact.between!r}; {word!r} knows no contact: it must be 'none'")
     if scene.analysis == "dynamic":
@@ -59,8 +59,9 @@ def _at_rest(scene: Scene) -> None:
 
 
 def _in_steps(scene: Scene) -> None:
-    reason = "is missing: implicit steps can have any length, so it must be given"
-    require(scene.time_step is not None, scene.path, "time_step", reason)
+    if not scene.fluids:  # whose steps are those of the bodies
+        reason = "is missing: implicit steps can have any length, so it must be given"
+        require(scene.time_step is not None, scene.path, "time_step", reason)
     for body in scene.bodies:
         for material in body.materials:
             where = material.path if material.path != "material" else place(body, "body")

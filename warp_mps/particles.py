@@ -83,10 +83,18 @@ class Particles:
 
     def elastic_part(self) -> Particles:
         """The elastic particles alone."""
-        if self.elastic == self.count:
+        return self._first(self.elastic)
+
+    def dry_part(self) -> Particles:
+        """The elastic particles and those of walls."""
+        return self._first(self.count - self.liquid)
+
+    def _first(self, count: int) -> Particles:
+        """The first bodies, of so many particles, which are not of fluids."""
+        if count == self.count:
             return self
-        bodies = self.elastic_bodies
-        rows = {item.name: getattr(self, item.name)[: self.elastic] for item in fields(self) if item.name not in _WHOLE}
+        bodies = int(np.sum(self.ranges[:, 1] <= count))
+        rows = {item.name: getattr(self, item.name)[:count] for item in fields(self) if item.name not in _WHOLE}
         return Particles(names=self.names[:bodies], ranges=self.ranges[:bodies], elastic=self.elastic, liquid=0, **rows)
 
 

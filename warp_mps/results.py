@@ -45,6 +45,9 @@ class RunSummary:
             stayed `unsolved`.
         implicit: Of a static analysis and of implicit steps, what the solvers did: `equilibria` solved,
             Newton iterations, iterations of the linear solver, largest residual relative to the forces.
+        coupling: Of water and bodies together: mean and largest number of `passes` of a step until they agreed, steps
+            after which they `disagreed` and the largest residual of a step, the largest relative difference of the
+            impulses that one side gave and the other got, and the work of the water on the bodies [J].
         measurements: Results; see :func:`measurement_rows`.
     """
 
@@ -64,6 +67,7 @@ class RunSummary:
     momentum_error: float | None = None
     fluid: dict[str, float] = field(default_factory=dict)
     implicit: dict[str, float] = field(default_factory=dict)
+    coupling: dict[str, float] = field(default_factory=dict)
     measurements: list[dict[str, Any]] = field(default_factory=list)
 
     def write(self, path: str | Path) -> None:

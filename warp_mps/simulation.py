@@ -96,6 +96,8 @@ class Simulation:
         from warp_mps.fluid import fluids
         from warp_mps.rigid.poses import declare_rigid
 
+        if self.scene.fluids and self.scene.bodies:
+            return self._make_hydroelastic(numbers, graphs, announce)
         if self.scene.fluids:
             load_modules(fluids.declare_kernels(numbers), self._device, announce)
             return fluids.Fluids(self.scene, self.particles, kit=numbers, device=self._device, graphs=graphs)
@@ -112,6 +114,20 @@ class Simulation:
             return ImplicitSolid(self.scene, self.particles, dt=dt, kit=numbers, device=self._device, graphs=graphs)
         return Solid(self.scene, self.particles, dt=self.clock.dt, kit=numbers, device=self._device)
 
+    def _make_hydroelastic(self, numbers: Any, graphs: bool, announce: Callable[[str], None] | None) -> Any:
+        """The scene's elastic bodies and its fluids."""
+        from warp_mps.core.device import load_modules
+        from warp_mps.coupling import hydroelastic
+        from warp_mps.elastic import solid
+        from warp_mps.elastic.implicit.kernels import declare_implicit
+        from warp_mps.fluid import fluids
+
+        modules = [*fluids.declare_kernels(numbers), *solid.declare_kernels(numbers), *declare_implicit(numbers)]
+        modules += hydroelastic.declare_kernels(numbers)
+        load_modules(list(dict.fromkeys(modules)), self._device, announce)
+        options: dict[str, Any] = {"kit": numbers, "device": self._device, "graphs": graphs}
+        return hydroelastic.Hydroelastic(self.scene, self.particles, interval=self.clock.dt, **options)
+
     @property
     def solid(self) -> Solid:
         """The elastic bodies.
@@ -121,9 +137,10 @@ class Simulation:
         """
         from warp_mps.elastic.solid import Solid
 
-        if not isinstance(self._system, Solid):
+        made = getattr(self._system, "solid", self._system)
+        if not isinstance(made, Solid):
             raise TypeError(f"the scene {self.scene.name!r} has no elastic bodies")
-        return self._system
+        return made
 
     @property
     def fluids(self) -> Fluids:
@@ -134,9 +151,10 @@ class Simulation:
         """
         from warp_mps.fluid.fluids import Fluids
 
-        if not isinstance(self._system, Fluids):
+        made = getattr(self._system, "water", self._system)
+        if not isinstance(made, Fluids):
             raise TypeError(f"the scene {self.scene.name!r} has no fluids")
-        return self._system
+        return made
 
     @property
     def device(self) -> str:

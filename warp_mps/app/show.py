@@ -106,7 +106,8 @@ def show_summary(summary: RunSummary, folder: Path) -> None:
 def _kind(scene: Scene) -> str:
     """Dimension and method of a scene."""
     if scene.fluids:
-        return f"{scene.dimension}-D, fluid scheme {scene.flow.scheme}"
+        kind = f"{scene.dimension}-D, fluid scheme {scene.flow.scheme}"
+        return f"{kind}, model {scene.elasticity.model}" if scene.bodies else kind
     kind = "3-D" if scene.dimension == 3 else f"2-D, plane {scene.plane}"
     return f"{kind}, model {scene.elasticity.model}"
 
@@ -118,6 +119,10 @@ def _account(summary: RunSummary) -> str:
     lost, unsolved = (int(summary.fluid.get(name, 0)) for name in ("lost", "unsolved"))
     text = f"{summary.fluid.get('pressure_iterations', 0.0):.3g} iterations a pressure solve"
     text += f", {unsolved} UNSOLVED" if unsolved else ""
+    if summary.coupling:
+        disagreed = int(summary.coupling.get("disagreed", 0))
+        text += f", {summary.coupling.get('passes', 0.0):.3g} passes a step between water and bodies"
+        text += f", {disagreed} steps DISAGREED" if disagreed else ""
     return text + (f", {lost} particles lost" if lost else "")
 
 

@@ -48,6 +48,10 @@ class Matrix(NamedTuple):
     singular: wp.array | None = None
 
 
+# launches of (control, x, p, q)
+Product = Callable[[wp.array, wp.array, wp.array, wp.array], None]
+
+
 class Operator(NamedTuple):
     """A symmetric matrix that is given by its product alone; what is no unknown counts as in a `Matrix`.
 
@@ -63,7 +67,7 @@ class Operator(NamedTuple):
     rows: wp.array
     diagonal: wp.array
     active: wp.array
-    multiply: Callable[[wp.array, wp.array, wp.array, wp.array], None]
+    multiply: Product
     singular: wp.array | None = None
 
 
@@ -161,13 +165,15 @@ class ConjugateGradient:
         self._scalars = wp.zeros(names.SCALARS, dtype=wp.float64, device=device)
         self.statistics = wp.zeros(names.STATISTICS, dtype=wp.float64, device=device)
 
-    def solve(self, matrix: Matrix | Operator, b: wp.array, x: wp.array) -> None:
+    def solve(self, matrix: Matrix | Operator, b: wp.array, x: wp.array, *, rest: Product | None = None) -> None:
         """Launch a solve.
 
         Args:
             matrix: The matrix, symmetric among the unknowns.
             b: Right-hand side, float64, shape [capacity].
             x: First guess in, solution out, float64, shape [capacity].
+            rest: Launches the sum of q and of a symmetric matrix without a diagonal times x if `control[FRESH]` is not
+                0, else times p, from (control, x, p, q): what the rows do not hold.
         """
         kernels = self._kernels
         vectors = [self._inverse, self._rhs, self._r, self._z, self._p, self._q]
@@ -177,7 +183,7 @@ class ConjugateGradient:
         square = self._sums.launch(self._rhs, self._rhs, self._rhs)
         outputs = [self._running, self._control, self._scalars]
         self._launch(kernels.begin, 1, [self._tolerance, self._floor, square], outputs)
-        wp.capture_while(self._running, self._iterate, matrix=matrix, x=x)
+        wp.capture_while(self._running, self._iterate, matrix=matrix, x=x, rest=rest)
         self._centre(matrix, x)
 
     def read_statistics(self) -> Statistics:
@@ -194,11 +200,13 @@ class ConjugateGradient:
             last_residual=float(values[names.RESIDUAL_NOW]),
         )
 
-    def _iterate(self, matrix: Matrix | Operator, x: wp.array) -> None:
+    def _iterate(self, matrix: Matrix | Operator, x: wp.array, rest: Product | None) -> None:
         """One pass of the loop: an iteration or a fresh start, as `control` says."""
         kernels, n = self._kernels, self._n
         inverse, control, scalars = self._inverse, self._control, self._scalars
         self._multiply(matrix, x)
+        if rest:
+            rest(control, x, self._p, self._q)
         pq = self._sums.launch(self._p, self._q, self._q)
         self._launch(kernels.measure_step, 1, [pq], [control, scalars])
         inputs = [inverse, control, scalars, self._rhs, self._p, self._q]

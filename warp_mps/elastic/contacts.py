@@ -114,6 +114,10 @@ class Contacts:
         particle = int(self._overflow.numpy()[0])
         return particle - 1 if particle else None
 
+    def evolving(self) -> list[wp.array]:
+        """Device arrays of what evolves; the list of candidates holds wherever the particles are when it is used."""
+        return self.rubbing.evolving() if self.rubbing else []
+
     def arrays(self) -> dict[str, np.ndarray]:
         """Host copies of what evolves, by name; the list of candidates is made anew."""
         return self.rubbing.arrays() if self.rubbing else {}

@@ -18,7 +18,7 @@ METHOD = "elastic"
 
 @functools.cache
 def motion_kernels(kit: Kit) -> SimpleNamespace:
-    """Kernels `drift`, `kick`, `damp` and `tick`."""
+    """Kernels `drift`, `kick`, `damp`, `add` and `tick`."""
     real, vec = kit.real, kit.vec
 
     @kit.kernel(METHOD)
@@ -80,8 +80,19 @@ def motion_kernels(kit: Kit) -> SimpleNamespace:
         dissipated[i] = dissipated[i] + loss
 
     @kit.kernel(METHOD)
+    def add(
+        # State in:
+        external: wp.array(dtype=vec),
+        # State in and out:
+        force: wp.array(dtype=vec),
+    ):
+        """Add forces from outside."""
+        i = wp.tid()
+        force[i] = force[i] + external[i]
+
+    @kit.kernel(METHOD)
     def tick(steps: wp.array(dtype=wp.int32)):
         """Count a step. Times are multiples of dt, so that they do not drift."""
         steps[0] = steps[0] + 1
 
-    return SimpleNamespace(drift=drift, kick=kick, damp=damp, tick=tick)
+    return SimpleNamespace(drift=drift, kick=kick, damp=damp, add=add, tick=tick)

@@ -104,6 +104,10 @@ class Outside:
         """Work done so far [J]."""
         return float(sum(np.sum(action.work.numpy()) for action in self._actions()))
 
+    def evolving(self) -> list[wp.array]:
+        """Device arrays of what evolves."""
+        return [self.steps, *(array for action in self._actions() for array in (action.last, action.work))]
+
     def arrays(self) -> dict[str, np.ndarray]:
         """What evolves here, for a checkpoint."""
         arrays = {"steps": self.steps.numpy().copy()}

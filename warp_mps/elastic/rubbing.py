@@ -65,6 +65,10 @@ class Rubbing:
         """Add what sticking faces store [J]."""
         wp.launch(self._kernels.add, len(energy), [self._stored_before], [energy], device=self._device)
 
+    def evolving(self) -> list[wp.array]:
+        """Device arrays of what evolves."""
+        return [*self._evolving().values(), self._u_before]
+
     def arrays(self) -> dict[str, np.ndarray]:
         """Host copies of what evolves, by name."""
         return {name: array.numpy().copy() for name, array in self._evolving().items()}

@@ -72,9 +72,24 @@ class Solid:
     Walls come last among the particles: the models and the motion run over those before them, contact over all.
 
     A step is the same Python whether it is run eagerly or captured: it reads nothing back and allocates nothing.
+
+    Attributes:
+        external: Forces on the particles beside those of the scene [N], vec [n]; None if there never are any.
+
+    Args:
+        scene: The case.
+        particles: Its particles.
+        dt: Time step [s].
+        kit: Number types.
+        device: Warp device.
+        loaded: Whether there are external forces.
     """
 
-    def __init__(self, scene: Scene, particles: Particles, *, dt: float, kit: Kit, device: Any) -> None:
+    external: wp.array | None
+
+    def __init__(
+        self, scene: Scene, particles: Particles, *, dt: float, kit: Kit, device: Any, loaded: bool = False
+    ) -> None:
         self._kit, self._device, self._dt = kit, device, dt
         self._n = particles.elastic
         self._motion, self._sums = motion_kernels(kit), energy_kernels(kit)
@@ -97,6 +112,7 @@ class Solid:
         self._values = wp.zeros((4, particles.count), dtype=kit.real, device=device)
         self._chunks = wp.zeros((4, -(-particles.count // CHUNK)), dtype=wp.float64, device=device)
         self._hold_still(particles)
+        self.external = wp.zeros(particles.count, dtype=kit.vec, device=device) if loaded else None
         self.phases = self._make_phases()
 
     def start(self) -> None:
@@ -154,6 +170,8 @@ class Solid:
             phases.append(Phase("contact", lambda *_: self._touch(contacts)))
         if self.outside.moving:
             phases.append(Phase("push", lambda *_: self.outside.push(state.force, self._mass)))
+        if self.external is not None:
+            phases.append(Phase("external", lambda *_: self._add_external()))
         phases.append(Phase("kick", functools.partial(self._kick, self._dt), splits=True, follows=True))
         if spins:
             phases.append(Phase("spin kick", functools.partial(spins.kick, self._dt), splits=True, follows=True))
@@ -226,6 +244,8 @@ class Solid:
         weight = np.outer(self._masses, [float(g) for g in self._gravity])
         loads = wp.zeros_like(self.state.force)
         self.outside.push(loads, self._mass)
+        if self.external is not None:
+            wp.launch(self._motion.add, self._n, [self.external], [loads], device=self._device)
         return self.state.force.numpy().astype(float) - weight - loads.numpy()
 
     def elastic_torques(self) -> np.ndarray:
@@ -255,6 +275,11 @@ class Solid:
         spins = self.model.spins
         omega = spins.omega.numpy().astype(float) if spins else np.zeros((self._n, 2 * self._kit.dimension - 3))
         return self._with_walls(omega, self.walls.turns()[1] if self.walls else None)
+
+    def evolving(self) -> list[wp.array]:
+        """Device arrays of everything that evolves: a step goes on from their contents."""
+        parts = (self.state, self.outside, self.model.spins, self.viscosity, self.walls, self.contacts)
+        return [array for part in parts if part for array in part.evolving()]
 
     def arrays(self) -> dict[str, np.ndarray]:
         """Everything that evolves, for a checkpoint."""
@@ -317,6 +342,9 @@ class Solid:
     def _kick(self, dt: float, first: int, count: int) -> None:
         inputs = [first, dt, self._gravity, self._mass, self._inverse_mass]
         wp.launch(self._motion.kick, count, inputs, [self.state.force, self.state.v], device=self._device)
+
+    def _add_external(self) -> None:
+        wp.launch(self._motion.add, self._n, [self.external], [self.state.force], device=self._device)
 
     def _damp(self) -> None:
         factor = float(np.exp(-0.5 * self._damping * self._dt))

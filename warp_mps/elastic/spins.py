@@ -52,6 +52,10 @@ class Spins:
         """Add the kinetic energy of the rotation of each particle [J]."""
         wp.launch(self._kernels.add_kinetic, self._n, [self._inertia, self.omega], [kinetic_out], device=self._device)
 
+    def evolving(self) -> list[wp.array]:
+        """Device arrays of what evolves."""
+        return [getattr(self, name) for name in EVOLVING]
+
     def arrays(self) -> dict[str, np.ndarray]:
         """Host copies of what evolves, by name."""
         return {name: getattr(self, name).numpy().copy() for name in EVOLVING}

@@ -30,6 +30,10 @@ class ElasticState:
     driven: wp.array
     dissipated: wp.array
 
+    def evolving(self) -> list[wp.array]:
+        """The arrays."""
+        return [getattr(self, item.name) for item in fields(self)]
+
     def arrays(self) -> dict[str, np.ndarray]:
         """Host copies of all arrays, by name."""
         return {item.name: getattr(self, item.name).numpy().copy() for item in fields(self)}

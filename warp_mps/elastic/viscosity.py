@@ -47,6 +47,10 @@ class Viscosity:
         outputs = [self._u_before, self.force, state.force, state.dissipated]
         wp.launch(self._kernels.viscous_force, count, inputs, outputs, device=self._device)
 
+    def evolving(self) -> list[wp.array]:
+        """Device arrays of what evolves."""
+        return [self.force, self._u_before]
+
     def arrays(self) -> dict[str, np.ndarray]:
         """Host copies of what evolves, by name."""
         return {"viscous": self.force.numpy().copy()}

@@ -66,6 +66,10 @@ class Walls:
         rotations, spins = self._poses.turns()
         return rotations[self._of_wall], spins[self._of_wall]
 
+    def evolving(self) -> list[wp.array]:
+        """Device arrays of what evolves."""
+        return [self._work]
+
     def arrays(self) -> dict[str, np.ndarray]:
         """What evolves here, for a checkpoint; where the walls are follows from the time."""
         return {"wall_work": self._work.numpy().copy()}

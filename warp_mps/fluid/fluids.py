@@ -129,14 +129,20 @@ class Fluids(FluidReadings):
         self._speeds = zeros(-(-n // CHUNK), kit.real)
         self._dt, self._way, self._target, self._time_after = (zeros(1, wp.float64) for _ in range(4))
         self._left = zeros(1, wp.int32)
-        self._poses = Poses(scene, kit=kit, device=device) if self._walls else None
+        self._poses = Poses(scene, kit=kit, device=device) if scene.walls else None
         self._runs = moving_runs(scene, self._particles)
         self._wall = wp.array(self._particles.walls, dtype=wp.int32, device=device)
         self._reference = wp.array(
             self._particles.positions, dtype=wp.types.vector(length=self._d, dtype=wp.float64), device=device
         )
         stick = np.array([wall.slip == "no" for wall in scene.walls] or [False])[self._particles.walls]
-        stick |= self._particles.walls < 0
+        stick[: self._particles.elastic] = False
+        stick |= np.arange(n) >= self._walls
+        # a wall stops what meets it; a marker of an elastic body takes its part of the momentum
+        firmness, elastic = np.ones(max(n - m, 1)), self._particles.elastic
+        masses = self._particles.masses[:elastic]
+        firmness[:elastic] = masses / (masses + self._density * self._volume)
+        self._firmness = wp.array(firmness, dtype=kit.real, device=device)
         self._sticks = wp.array(stick.astype(np.int32), dtype=wp.int32, device=device)
 
     def start(self) -> None:
@@ -156,7 +162,7 @@ class Fluids(FluidReadings):
         first = int(self.state.steps.numpy()[0])
         self._velocities_before, self._interval = self.velocities(), time - before
         while True:
-            self._replay("step", self.step)
+            self._take_step()
             left = int(self._left.numpy()[0])
             if left <= 1:
                 break
@@ -171,6 +177,10 @@ class Fluids(FluidReadings):
     def aim(self, time: float) -> None:
         """Set the time that steps go towards [s]."""
         self._target.assign([time])
+
+    def _take_step(self) -> None:
+        """Take one step towards the target time."""
+        self._replay("step", self.step)
 
     def step(self) -> None:
         """Advance by one step towards the target time."""
@@ -249,10 +259,15 @@ class Fluids(FluidReadings):
 
     def _project(self) -> None:
         """Pressures that keep the fluid's density."""
-        state, matrix, pressure = self.state, self._matrix, self._kernels[0]
+        state, matrix = self.state, self._matrix
         self._solver.solve(matrix, self._rhs, state.p)
+        self._lift(matrix.singular)
+
+    def _lift(self, singular: wp.array | None) -> None:
+        """Clip pressures, or make the least one 0."""
+        state, pressure = self.state, self._kernels[0]
         self._launch(pressure.least, len(self._floors), [CHUNK, state.p], [self._floors])
-        self._launch(pressure.lift, self._m, [self._clip, matrix.singular, self._floors], [state.p])
+        self._launch(pressure.lift, self._m, [self._clip, singular, self._floors], [state.p])
 
     @property
     def _relaxation(self) -> float:
@@ -267,21 +282,26 @@ class Fluids(FluidReadings):
         head = [self._scheme, self._clip, lists.period, ops.radius, self._slope, self._density]
         inputs = [self._walls, *head, self._gravity, self._relaxation, *self._listed(), self._dt, state.x, state.a]
         self._launch(gradient.push, self._m, [*inputs, state.p, self._scale], [state.carried, self._du])
-        inputs = [self._walls, *head, self._volume, self._gravity, *self._listed(), self._dt, state.x, state.u]
-        inputs += [state.a, state.p, self._scale]
-        self._launch(gradient.push_walls, self._walls, inputs, [state.impulse, state.work])
+        self._push_walls(self._walls, self._dt, [state.impulse, state.work])
         self._launch(motion.apply, self._m, [self._walls, self._dt, self._du], [state.x, state.u])
+
+    def _push_walls(self, count: int, dt: wp.array, outputs: list[wp.array]) -> None:
+        """Impulses on the first walls' particles in a time, and the walls' work, added to what there is."""
+        state, ops = self.state, self.operators
+        inputs = [self._walls, self._scheme, self._clip, self.lists.period, ops.radius, self._slope, self._density]
+        inputs += [self._volume, self._gravity, *self._listed(), dt, state.x, state.u, state.a, state.p, self._scale]
+        self._launch(self._kernels[1].push_walls, count, inputs, outputs)
 
     def _collide(self) -> None:
         """Collisions and shifts, which `_finish` applies."""
         state, ops, lists, motion = self.state, self.operators, self.lists, self._kernels[2]
         mass = self._density * self._volume
-        inputs = [self._walls, lists.period, self._spacing, *self._listed(), state.x, state.u]
+        inputs = [self._walls, lists.period, self._spacing, self._firmness, *self._listed(), state.x, state.u]
         self._launch(motion.collide, self._m, inputs, [self._du])
         if self._shifts:
             inputs = [self._walls, lists.period, ops.radius, self._spacing, ops.number_density, *self._listed()]
             self._launch(motion.move_apart, self._m, [*inputs, state.x, self._way, self._matrix.active], [self._shift])
-        inputs = [lists.period, self._spacing, mass, *self._listed(), state.x, state.u]
+        inputs = [lists.period, self._spacing, mass, self._firmness, *self._listed(), state.x, state.u]
         self._launch(motion.collide_walls, self._walls, inputs, [state.impulse, state.work])
 
     def _finish(self) -> None:

@@ -163,6 +163,7 @@ def motion_kernels(kit: Kit) -> SimpleNamespace:
         walls: wp.int32,
         period: vec,
         spacing: real,
+        firmness: wp.array(dtype=real),
         listed: wp.array(dtype=wp.int32, ndim=2),
         count: wp.array(dtype=wp.int32),
         # State in:
@@ -180,9 +181,10 @@ def motion_kernels(kit: Kit) -> SimpleNamespace:
         for m in range(count[i]):
             j = listed[i, m]
             jump = bounce(apart(x_i, x[j], period), u[j] - u_i, real(COLLISION) * spacing)
-            if j >= walls:
-                jump = real(0.5) * jump
-            du += jump
+            if j < walls:
+                du += firmness[j] * jump
+            else:
+                du += real(0.5) * jump
         du_out[k] = du
 
     @kit.kernel(METHOD)
@@ -231,6 +233,7 @@ def motion_kernels(kit: Kit) -> SimpleNamespace:
         period: vec,
         spacing: real,
         mass: real,
+        firmness: wp.array(dtype=real),
         listed: wp.array(dtype=wp.int32, ndim=2),
         count: wp.array(dtype=wp.int32),
         # State in:
@@ -246,7 +249,7 @@ def motion_kernels(kit: Kit) -> SimpleNamespace:
         for m in range(count[j]):
             i = listed[j, m]
             total += bounce(apart(x[i], x[j], period), u[j] - u[i], real(COLLISION) * spacing)
-        gained = -wp.float64(mass) * vec64(total)
+        gained = -wp.float64(mass) * wp.float64(firmness[j]) * vec64(total)
         impulse[j] = impulse[j] + gained
         work[j] = work[j] - wp.dot(gained, vec64(u[j]))
 

@@ -10,6 +10,7 @@ import numpy as np
 from warp_mps.checks import place
 from warp_mps.components import TENSORS, component_names, tensor_places
 from warp_mps.errors import InputError
+from warp_mps.fluid_checks import is_in_fluid
 from warp_mps.observers.base import View
 from warp_mps.observers.fluid_sampling import sample_of_fluid, volume
 from warp_mps.observers.interpolation import interpolate
@@ -54,7 +55,7 @@ def make_sampler(probe: Probe, scene: Scene, particles: Particles) -> Sampler:
     elif probe.support is not None:
         support = next(support for support in scene.supports if support.name == probe.support)
         sample = _sum("reactions", select(particles, support.region, support.bodies))
-    elif scene.fluids:
+    elif is_in_fluid(probe, scene):
         sample = sample_of_fluid(probe, scene, particles)
     else:
         sample = _of_place(probe, particles)

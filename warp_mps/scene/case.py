@@ -42,7 +42,8 @@ class Scene:
         analysis: ``dynamic``, or ``static``: equilibrium under loads, weight and moving supports, which grow together
             with the load factor. The load factor stands for the time, from 0 to `duration`; 1 is all of them.
         load_steps: Increments in which a static load grows to all of it; each makes a frame and a row.
-        integrator: ``explicit``, or ``implicit``: steps of `time_step` of any length by the theta rule.
+        integrator: ``explicit``, or ``implicit``: steps of any length by the theta rule, of `time_step` or those of the
+            water about the bodies. ``auto`` is explicit for bodies alone; in water see `warp_mps.coupling.choice`.
         theta: Theta of that rule: 0.5 keeps the energy, 1 damps most (`warp_mps.elastic.implicit.theta`).
         courant: Time step in units of l0 / c_p, c_p the speed of pressure waves [-], and at most 0.9
             of what is stable for small deformations.
@@ -76,7 +77,7 @@ class Scene:
     time_step: float | None = None
     analysis: str = "dynamic"
     load_steps: int = 10
-    integrator: str = "explicit"
+    integrator: str = "auto"
     theta: float = 0.55
     courant: float = 0.25
     stage: StageFrame | None = None

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 ANALYSES = ("dynamic", "static")
-INTEGRATORS = ("explicit", "implicit")
+INTEGRATORS = ("auto", "explicit", "implicit")
 ELASTIC_MODELS = ("hamiltonian", "springs")
 LAWS = ("st_venant_kirchhoff", "neo_hookean")
 NORMALIZATIONS = ("lattice", "particle")

@@ -100,7 +100,9 @@ SCENE = _table(
     _row("mps:loadSteps", "int", "load_steps", "`static`: increments to the whole load, at least 1; each makes a frame",
          default=_default(sc.Scene, "load_steps")),
     _row("mps:integrator", "token", "integrator",
-         "steps of elastic bodies: explicit, or implicit ones of `mps:timeStep`, which may have any length",
+         "steps of elastic bodies: explicit, or implicit ones of any length: of `mps:timeStep`, or those of the water "
+         "about them. `auto` is explicit for bodies alone, and in water where few explicit steps fit into one of "
+         "the water",
          default=_default(sc.Scene, "integrator"), allowed=sc.INTEGRATORS),
     _row("mps:theta", "double", "theta",
          "`implicit`: theta of the rule, 0.5 (keeps energy) to 1 (damps most)", default=_default(sc.Scene, "theta")),

@@ -25,6 +25,7 @@ import warp as wp
 
 from warp_mps.core.kit import Kit
 from warp_mps.core.replay import Replay
+from warp_mps.core.snapshot import Snapshot
 from warp_mps.elastic.hamiltonian_model import HamiltonianModel
 from warp_mps.elastic.implicit.newton import Newton
 from warp_mps.elastic.implicit.records import solver_record
@@ -80,10 +81,9 @@ class ImplicitSolid(Solid):
         self.external, self._load, self._load_before, self._pushed, self._elastic = vectors[:5]
         self._u_before, self._elastic_before, self._end, self._end_speed = vectors[5:]
         self._work = wp.zeros(n, dtype=wp.float64, device=device)
-        # everything that evolves, with a place to keep it
         evolving = [state.u, state.v, state.force, state.driven, state.dissipated]
         evolving += [self._load, self._elastic, self._work]
-        self._saved = [(array, wp.empty_like(array)) for array in evolving]
+        self._snapshot = Snapshot(evolving)
         self._saved_time = 0.0
 
     def start(self) -> None:
@@ -120,14 +120,12 @@ class ImplicitSolid(Solid):
 
     def save(self) -> None:
         """Keep the present state on the device."""
-        for array, kept in self._saved:
-            wp.copy(kept, array)
+        self._snapshot.save()
         self._saved_time = self._time
 
     def restore(self) -> None:
         """Go back to the state that was kept; `external` stays as it is."""
-        for array, kept in self._saved:
-            wp.copy(array, kept)
+        self._snapshot.restore()
         self._time = self._saved_time
 
     def internal_forces(self) -> np.ndarray:

@@ -1,0 +1,1 @@
+"""Water and elastic bodies in one step: each feels the other within it."""

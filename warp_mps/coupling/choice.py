@@ -1,0 +1,48 @@
+"""How elastic bodies follow the water: implicitly with its step, or by explicit steps of their own within it."""
+
+from __future__ import annotations
+
+import math
+
+from warp_mps.elastic.material import stable_time_step
+from warp_mps.fluid.limits import step_limit
+from warp_mps.particles import Particles
+from warp_mps.scene import Scene
+
+# of the largest stable step: what a step of the bodies has at most
+SAFETY = 0.9
+# sub-steps in the longest step of the water above which an implicit step is quicker
+MOST_SUBSTEPS = 200
+# the least number of sub-steps in the longest step, so that the water's can be shortened where it is fast
+LEAST_SUBSTEPS = 4
+
+
+def stable_step(scene: Scene) -> float:
+    """Largest explicit step of the bodies, contact included [s]."""
+    slower = math.sqrt(max(1.0, scene.contact.stiffness))
+    return SAFETY * min(stable_time_step(body, scene) for body in scene.bodies) / slower
+
+
+def takes_implicit_steps(scene: Scene, particles: Particles) -> bool:
+    """Whether the bodies follow the water implicitly.
+
+    As the scene says; ``auto`` is implicit where explicit steps would be more than `MOST_SUBSTEPS` for one of the
+    water, and where nothing speaks against it: another model than ``hamiltonian``, contact, or viscosity.
+    """
+    if scene.integrator != "auto":
+        return scene.integrator == "implicit"
+    viscous = any(material.retardation_time for material in scene.materials)
+    if scene.elasticity.model != "hamiltonian" or scene.contact.between != "none" or viscous:
+        return False
+    return _longest(scene, particles) > MOST_SUBSTEPS * stable_step(scene)
+
+
+def substep(scene: Scene, particles: Particles, interval: float) -> float:
+    """Length of the bodies' explicit steps, of which a whole number makes an interval between two samples [s]."""
+    longest = min(stable_step(scene), _longest(scene, particles) / LEAST_SUBSTEPS)
+    return interval / math.ceil(interval / longest)
+
+
+def _longest(scene: Scene, particles: Particles) -> float:
+    limit, _ = step_limit(scene, particles)
+    return min(limit, scene.time_step or limit)

@@ -1,0 +1,192 @@
+"""Water and elastic bodies that feel each other, as the simulation sees them: particles in the order of the scene."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from warp_mps.core.kit import Kit
+from warp_mps.coupling.choice import substep, takes_implicit_steps
+from warp_mps.coupling.exchange import METHOD, coupling_kernels
+from warp_mps.coupling.marker_kernels import marker_kernels
+from warp_mps.coupling.markers import Markers
+from warp_mps.coupling.structures import ImplicitStructure, Structure, SubsteppedStructure
+from warp_mps.coupling.water import WetFluids
+from warp_mps.elastic.implicit.theta import ImplicitSolid
+from warp_mps.elastic.stresses import StressFields
+from warp_mps.energy import Energy
+from warp_mps.particles import Particles
+from warp_mps.scene import Scene
+
+
+def declare_kernels(kit: Kit) -> list[str]:
+    """Declare the kernels of the exchange, and return the names of their modules."""
+    coupling_kernels(kit)
+    marker_kernels(kit)
+    return [kit.module(METHOD)]
+
+
+class Hydroelastic:
+    """The elastic bodies, the walls and the fluids of a scene.
+
+    Attributes:
+        water: The fluids.
+        structure: How the bodies take a step of the water.
+        solid: The bodies, and the walls that they touch.
+        implicit: Whether the bodies take a step of the water implicitly.
+
+    Args:
+        scene: The case.
+        particles: Its particles.
+        interval: Time between two samples [s].
+        kit: Number types.
+        device: Warp device.
+        graphs: Whether steps are replayed as graphs.
+
+    Raises:
+        InputError: The domain of the scene does not hold its fluids, or supports and loads do not fit its particles.
+    """
+
+    def __init__(
+        self, scene: Scene, particles: Particles, *, interval: float, kit: Kit, device: Any, graphs: bool = True
+    ) -> None:
+        self._particles, self._elastic = particles, particles.elastic
+        self.implicit = takes_implicit_steps(scene, particles)
+        markers = Markers(particles, scene.fluids[0].spacing, kit=kit, device=device)
+        self.structure = self._make_structure(scene, particles, interval, kit, device, graphs)
+        self.solid = self.structure.solid
+        self.water = WetFluids(scene, markers, self.structure, kit=kit, device=device, graphs=graphs)
+        self._markers = markers
+
+    def _make_structure(
+        self, scene: Scene, particles: Particles, interval: float, kit: Kit, device: Any, graphs: bool
+    ) -> Structure:
+        dry: dict[str, Any] = {"fluids": (), "probes": (), "measurements": ()}
+        options: dict[str, Any] = {"kit": kit, "device": device, "graphs": graphs}
+        if self.implicit:
+            alone = replace(scene, walls=(), integrator="implicit", time_step=interval, **dry)
+            part = particles.elastic_part()
+            return ImplicitStructure(ImplicitSolid(alone, part, dt=interval, **options))
+        dt = substep(scene, particles, interval)
+        alone = replace(scene, integrator="explicit", time_step=dt, **dry)
+        return SubsteppedStructure(alone, particles.dry_part(), dt=dt, **options)
+
+    def start(self) -> None:
+        """Evaluate what the first step begins with."""
+        self.solid.start()
+        self.water.start()
+
+    def advance(self, time: float) -> int:
+        """Advance to a time [s], and return the number of steps of the water that it took.
+
+        Raises:
+            RunError: A step of the bodies was not solved, or a fluid particle ran away.
+        """
+        return self.water.advance(time)
+
+    def displacements(self) -> np.ndarray:
+        """Displacements u = x - X [m], shape [n, d]."""
+        return self._with_bodies(self.water.displacements(), self.solid.displacements())
+
+    def velocities(self) -> np.ndarray:
+        """Velocities [m/s], shape [n, d]."""
+        return self._with_bodies(self.water.velocities(), self.solid.velocities())
+
+    def rotations(self) -> np.ndarray:
+        """Rotation vectors [rad], shape [n, 1] in 2-D and [n, 3] in 3-D."""
+        return self._with_bodies(self.water.rotations(), self.solid.rotations())
+
+    def angular_velocities(self) -> np.ndarray:
+        """Angular velocities [rad/s], shape [n, 1] in 2-D and [n, 3] in 3-D."""
+        return self._with_bodies(self.water.angular_velocities(), self.solid.angular_velocities())
+
+    def pressures(self) -> np.ndarray:
+        """Pressures: of the material in bodies, of the water beside them on walls [Pa], shape [n]."""
+        return self._with_bodies(self.water.pressures(), self.solid.pressures())
+
+    def number_densities(self) -> np.ndarray:
+        """Number densities of fluids in units of a full lattice's, else 1 [-], shape [n]."""
+        return self._with_bodies(self.water.number_densities(), self.solid.number_densities())
+
+    def stress_fields(self) -> StressFields:
+        """Stresses and strains."""
+        wet, dry = self.water.stress_fields(), self.solid.stress_fields()
+        return StressFields(*map(self._with_bodies, wet, dry))
+
+    def energy_densities(self) -> np.ndarray:
+        """Strain energy per reference volume [J/m^3], shape [n]."""
+        return self._with_bodies(self.water.energy_densities(), self.solid.energy_densities())
+
+    def contact_forces(self) -> np.ndarray:
+        """Forces of contact now, and of the water in the mean of the last interval [N], shape [n, d]."""
+        wet = self.water.contact_forces()
+        forces = self._with_bodies(wet, self._shared(wet[: self._markers.count]))
+        touching = self.solid.contact_forces()
+        forces[: len(touching)] += touching
+        return forces
+
+    def internal_forces(self) -> np.ndarray:
+        """What the particles exert on each other [N], shape [n, d]."""
+        wet = self.water.internal_forces()
+        forces = self._with_bodies(wet, self._shared(wet[: self._markers.count]))
+        elastic = self.solid.internal_forces()
+        forces[: len(elastic)] += elastic
+        return forces
+
+    def elastic_torques(self) -> np.ndarray:
+        """Elastic torques on the particles' own rotation [N m], shape [n, 1] in 2-D and [n, 3] in 3-D."""
+        return self._with_bodies(self.water.elastic_torques(), self.solid.elastic_torques())
+
+    def reactions(self) -> np.ndarray:
+        """Forces that supports exert on the particles [N], shape [n, d]."""
+        return self._with_bodies(self.water.reactions(), self.solid.reactions())
+
+    def energy(self) -> Energy:
+        """Energies of water and bodies; the work is that of walls, supports and loads."""
+        wet, dry, count = self.water.energy(), self.solid.energy(), self._markers.count
+        # what they do to each other is no work from outside
+        exchanged = float(self.water.state.work.numpy()[:count].sum())
+        given = float(self.water.given.numpy().sum()) if self.implicit else 0.0
+        return Energy(
+            kinetic=wet.kinetic + dry.kinetic,
+            elastic=dry.elastic,
+            contact=dry.contact,
+            potential=wet.potential + dry.potential,
+            work=wet.work - exchanged + dry.work - given,
+            dissipated=wet.dissipated + dry.dissipated,
+        )
+
+    def trouble(self) -> str | None:
+        """Why the run cannot go on, if it cannot."""
+        return self.water.trouble() or self.solid.trouble()
+
+    def record(self) -> dict[str, dict[str, float]]:
+        """What the solvers did so far."""
+        work = {"work_on_bodies": float(self.water.given.numpy().sum())}
+        coupling = {**self.water.exchange.record(), **work}
+        solver = self.solid.record() if isinstance(self.solid, ImplicitSolid) else {}
+        return {**self.water.record(), **solver, "coupling": coupling}
+
+    def arrays(self) -> dict[str, np.ndarray]:
+        """Everything that evolves, for a checkpoint."""
+        wet = {f"water_{name}": array for name, array in self.water.arrays().items()}
+        return {**wet, **{f"bodies_{name}": array for name, array in self.structure.arrays().items()}}
+
+    def assign(self, arrays: dict[str, np.ndarray]) -> None:
+        """Continue from arrays that `arrays` gave."""
+
+        def own(prefix: str) -> dict[str, np.ndarray]:
+            return {name.removeprefix(prefix): array for name, array in arrays.items() if name.startswith(prefix)}
+
+        self.structure.assign(own("bodies_"))
+        self.water.assign(own("water_"))
+
+    def _with_bodies(self, wet: np.ndarray, dry: np.ndarray) -> np.ndarray:
+        """Values of the elastic particles, then those that the water has of walls and fluids."""
+        return np.concatenate((dry[: self._elastic], wet[self._markers.count :]))
+
+    def _shared(self, values: np.ndarray) -> np.ndarray:
+        """Values of the markers shared evenly by their particles."""
+        return self._markers.shared(values)

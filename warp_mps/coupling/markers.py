@@ -1,0 +1,120 @@
+"""What the water sees of elastic bodies: markers, as far apart as its own particles.
+
+Where a body's particles are finer than the water's, by a whole factor k, a marker stands for those in a cell of the
+water's spacing, k^d of them, in their mean place and with their mean velocity; else for one. A force on it is shared
+evenly by its particles, so that force and moment about the mean place are theirs as well.
+"""
+
+from __future__ import annotations
+
+from dataclasses import fields, replace
+from typing import Any
+
+import numpy as np
+import warp as wp
+
+from warp_mps.core.kit import Kit
+from warp_mps.coupling.marker_kernels import marker_kernels
+from warp_mps.elastic.state import ElasticState
+from warp_mps.particles import Particles
+
+# of a particle's spacing: how far a lattice may be off its cells by rounding
+ROUNDING = 1e-6
+
+
+class Markers:
+    """The markers of the elastic particles of a scene.
+
+    Attributes:
+        count: Number of markers.
+        elastic: Number of elastic particles.
+        particles: The particles of the scene with the markers in the place of the elastic ones.
+        bodies: Index of the body of each marker, shape [count].
+        masses: Masses of the markers [kg], shape [count].
+
+    Args:
+        particles: The particles of the scene.
+        spacing: Particle spacing of the water [m].
+        kit: Number types.
+        device: Warp device.
+    """
+
+    def __init__(self, particles: Particles, spacing: float, *, kit: Kit, device: Any) -> None:
+        self._kernels, self._device = marker_kernels(kit), device
+        of_particle = _cells(particles, spacing)
+        members = np.argsort(of_particle, kind="stable")
+        sizes = np.bincount(of_particle)
+        self._of_particle, self._sizes = of_particle, sizes
+        self.count, self.elastic = len(sizes), particles.elastic
+        first = np.concatenate(([0], np.cumsum(sizes)))
+        self.particles = _gathered(particles, members, first, spacing)
+        self.bodies, self.masses = self.particles.bodies[: self.count], self.particles.masses[: self.count]
+        vec64 = wp.types.vector(length=kit.dimension, dtype=wp.float64)
+
+        def array(values: Any, dtype: Any) -> wp.array:
+            return wp.array(values, dtype=dtype, device=device)
+
+        self._rows = [array(first, wp.int32), array(members, wp.int32)]
+        self._reference = array(particles.positions[: particles.elastic], vec64)
+        self._mass = array(particles.masses[: particles.elastic], wp.float64)
+
+    def show(self, state: ElasticState, ahead: wp.array, x: wp.array, u: wp.array) -> None:
+        """Write places and velocities, of now or of a time ahead [s]."""
+        self._launch("show", [*self._rows, self._reference, ahead, state.u, state.v], [x, u])
+
+    def accelerate(self, dt: wp.array, before: wp.array, state: ElasticState, a: wp.array) -> None:
+        """Write the mean accelerations over a step that began with the velocities `before` of the particles."""
+        self._launch("accelerate", [*self._rows, dt, before, state.v], [a])
+
+    def share(self, force: wp.array, external: wp.array) -> None:
+        """Write the forces on the particles, from those on the markers."""
+        self._launch("share", [*self._rows, force], [external])
+
+    def receive(self, free: wp.array, inputs: list[wp.array], outputs: list[wp.array]) -> None:
+        """End a step for the particles: `inputs` and `outputs` are those of the kernel `receive`."""
+        self._launch("receive", [*self._rows, self._mass, free, *inputs], outputs)
+
+    def shared(self, values: np.ndarray) -> np.ndarray:
+        """Values of the markers shared evenly by their particles, shape [elastic, d]."""
+        return (values / self._sizes[:, None])[self._of_particle]
+
+    def _launch(self, name: str, inputs: list[Any], outputs: list[Any]) -> None:
+        wp.launch(getattr(self._kernels, name), self.count, inputs, outputs, device=self._device)
+
+
+def _cells(particles: Particles, spacing: float) -> np.ndarray:
+    """Marker of each elastic particle, numbered from 0 in the order in which the particles come, shape [elastic]."""
+    markers = np.zeros(particles.elastic, np.int64)
+    count = 0
+    for first, last in particles.ranges[: particles.elastic_bodies]:
+        x, own = particles.positions[first:last], float(particles.spacings[first])
+        corner = x.min(axis=0) - (0.5 - ROUNDING) * own
+        cells = np.floor((x - corner) / spacing + ROUNDING).astype(np.int64) if own < (1.0 - ROUNDING) * spacing else x
+        _, begin, inverse = np.unique(cells, axis=0, return_index=True, return_inverse=True)
+        # numbered by their first particle, which keeps what is near in space near in memory
+        rank = np.argsort(np.argsort(begin))
+        markers[first:last] = count + rank[inverse.ravel()]
+        count += len(begin)
+    return markers
+
+
+def _gathered(particles: Particles, members: np.ndarray, first: np.ndarray, spacing: float) -> Particles:
+    """The particles of a scene with markers in the place of the elastic ones."""
+    elastic, count, starts = particles.elastic, len(first) - 1, first[:-1]
+    sizes = np.diff(first)
+    rows: dict[str, Any] = {}
+    for item in fields(particles):
+        values = getattr(particles, item.name)
+        if item.name in ("names", "ranges", "elastic", "liquid"):
+            continue
+        own = values[members]
+        if item.name in ("positions", "velocities", "angular_velocities"):
+            own = np.add.reduceat(own, starts) / sizes[:, None]
+        else:
+            own = np.add.reduceat(own, starts) if item.name == "masses" else own[starts]
+        rows[item.name] = np.concatenate((own, values[elastic:]))
+    rows["spacings"][:count] = spacing
+    rows["ids"] = np.arange(len(rows["ids"]))
+    ends = np.cumsum(np.bincount(rows["bodies"], minlength=len(particles.names)))
+    ranges = np.column_stack((np.concatenate(([0], ends[:-1])), ends))
+    return replace(particles, elastic=count, ranges=ranges, **rows)

@@ -1,0 +1,79 @@
+"""Acceleration of a fixed-point iteration x = H(x) by what earlier iterations have shown of H.
+
+The interface quasi-Newton method with an inverse Jacobian from a least-squares model (IQN-ILS): the columns are
+differences of residuals H(x) - x and of values H(x), of the iterations of a step and of the last steps.
+
+References:
+    Degroote, J., Bathe, K.-J. and Vierendeels, J., Computers & Structures 87 (2009) 793.
+    Haelterman, R., et al., Computers & Structures 171 (2016) 9 (filtering of columns).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+# a column of which less than this is left, next to the longest, when those before it are taken out, is noise
+FILTER = 1e-6
+
+
+class QuasiNewton:
+    """Finds the next x of a fixed-point iteration.
+
+    Args:
+        steps: Number of earlier steps whose columns are kept.
+    """
+
+    def __init__(self, steps: int) -> None:
+        self._steps = steps
+        self._earlier: list[np.ndarray] = []
+        self._columns: list[np.ndarray] = []
+        self._last: np.ndarray | None = None
+
+    def add(self, x: np.ndarray, value: np.ndarray) -> None:
+        """Learn H(x), both of shape [n]."""
+        now = np.stack((value - x, value))
+        if self._last is not None:
+            self._columns.insert(0, now - self._last)
+        self._last = now
+
+    def propose(self) -> np.ndarray:
+        """The next x, shape [n]; after the first iteration, and nothing learnt earlier, H(x)."""
+        assert self._last is not None
+        residual, value = self._last
+        known = [np.array(self._columns), *self._earlier] if self._columns else self._earlier
+        if not known:
+            return value
+        columns = np.concatenate(known)[: len(residual)]
+        falls, moves = columns[:, 0].T, columns[:, 1].T
+        left = np.abs(np.diag(np.linalg.qr(falls, mode="r")))
+        keep = left > FILTER * left.max()
+        if not keep.any():
+            return value
+        q, r = np.linalg.qr(falls[:, keep])
+        return value - moves[:, keep] @ np.linalg.solve(r, q.T @ residual)
+
+    def end_step(self) -> None:
+        """Keep the columns of the step that ends."""
+        if self._columns:
+            self._earlier.insert(0, np.array(self._columns))
+            del self._earlier[self._steps :]
+        self._columns, self._last = [], None
+
+    def forget(self) -> None:
+        """Drop what was learnt: H is another one."""
+        self._earlier, self._columns, self._last = [], [], None
+
+    @property
+    def memory(self) -> np.ndarray:
+        """What is kept of earlier steps, newest first, shape [columns, 2, n]; with `sizes`, for a checkpoint."""
+        return np.concatenate(self._earlier) if self._earlier else np.zeros((0, 2, 0))
+
+    @property
+    def sizes(self) -> np.ndarray:
+        """Number of columns of each earlier step."""
+        return np.array([len(step) for step in self._earlier], int)
+
+    def assign(self, memory: np.ndarray, sizes: np.ndarray) -> None:
+        """Take over what `memory` and `sizes` gave, between two steps."""
+        self._earlier = [step.copy() for step in np.split(memory, np.cumsum(sizes)[:-1])] if len(sizes) else []
+        self._columns, self._last = [], None

@@ -1,0 +1,53 @@
+"""What the iterations between water and bodies did, for run.json."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass
+class ExchangeStatistics:
+    """What the iterations did so far.
+
+    Attributes:
+        steps: Steps done.
+        passes: Passes of all steps together.
+        most_passes: Those of the longest.
+        worst_residual: Largest change of the forces in a last pass, relative to them.
+        disagreed: Steps that ended before water and bodies agreed.
+        mismatch: Largest difference, over an interval, of the impulses that the water has given to the markers and of
+            those that the bodies' particles have got, relative to them.
+    """
+
+    steps: int = 0
+    passes: int = 0
+    most_passes: int = 0
+    worst_residual: float = 0.0
+    disagreed: int = 0
+    mismatch: float = 0.0
+
+    def add(self, passes: int, residual: float, *, agreed: bool) -> None:
+        """Count a step."""
+        self.steps += 1
+        self.passes += passes
+        self.most_passes = max(self.most_passes, passes)
+        self.worst_residual = max(self.worst_residual, residual)
+        self.disagreed += not agreed
+
+    def compare(self, given: np.ndarray, got: np.ndarray) -> None:
+        """Look at the impulses of an interval, shapes [markers, d]."""
+        scale = float(np.linalg.norm(given, axis=1).sum())
+        if scale > 0.0:
+            self.mismatch = max(self.mismatch, float(np.linalg.norm(given - got, axis=1).sum()) / scale)
+
+    def record(self) -> dict[str, float]:
+        """For run.json."""
+        return {
+            "passes": self.passes / max(self.steps, 1),
+            "most_passes": self.most_passes,
+            "worst_residual": self.worst_residual,
+            "disagreed": self.disagreed,
+            "impulse_error": self.mismatch,
+        }

@@ -1,0 +1,55 @@
+"""What elastic bodies and the fluids about them must satisfy together, and what is worth a remark."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from warp_mps.requirements import place, require
+from warp_mps.shapes import Box
+
+if TYPE_CHECKING:
+    from warp_mps.scene import Body, Scene
+
+# relative difference up to which a spacing is a whole part of another
+SAME = 1e-6
+
+
+def check_coupling(scene: Scene) -> None:
+    """Check a scene with elastic bodies and fluids.
+
+    Raises:
+        InputError: Something is not allowed.
+    """
+    if not (scene.bodies and scene.fluids):
+        return
+    fluid = scene.fluids[0]
+    for body in scene.bodies:
+        ratio = fluid.spacing / body.spacing
+        good = round(ratio) >= 1 and abs(ratio - round(ratio)) <= SAME * ratio
+        other = f"the fluid {place(fluid, 'fluid')}, {fluid.spacing:g} m"
+        reason = f"is {body.spacing:g} m, must be that of {other}, or a whole part of it"
+        require(good, place(body, "body"), "spacing", reason)
+
+
+def remarks_on_bodies(scene: Scene) -> list[str]:
+    """What is worth knowing of the bodies in the fluids of a scene, a line each."""
+    return [line for body in scene.bodies for line in _thin(body, scene)]
+
+
+def _thin(body: Body, scene: Scene) -> list[str]:
+    """A line about a body of which the water sees fewer rows than it can look through."""
+    if not isinstance(body.shape, Box):
+        return []
+    spacing, thinnest = scene.fluids[0].spacing, float(np.min(body.shape.size[: scene.dimension]))
+    rows = max(1, round(thinnest / spacing))
+    where = place(body, "body")
+    if round(thinnest / body.spacing) <= 1:
+        return [f"{where}: is one particle thick: it stretches, but has no stiffness in bending"]
+    least = math.ceil(scene.flow.radius(scene.dimension)) - 1
+    if rows >= least:
+        return []
+    reason = f"is {rows} spacings of the water thick: in impacts, water on one side feels that on the other; "
+    return [f"{where}: {reason}{least} keep it apart"]
