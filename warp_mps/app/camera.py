@@ -7,9 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from warp_mps.app.splat import Spheres
+from warp_mps.usd.viewpoint import SLOPE
 
-# half the angle of view, across the smaller side, as a slope; a plane is seen from infinitely far
-SLOPE = 0.2
 # the share of the picture's field that the scene fills
 FILLED = 0.96
 
@@ -47,30 +46,6 @@ class Camera:
         centres = np.nan_to_num(centres, nan=-1e9)
         radii = np.nan_to_num(0.5 * scale * widths, nan=1.0)
         return Spheres(centres, -local[:, 2], radii, 0.5 * widths)
-
-
-def plane_axes(normal: int, up: int) -> np.ndarray:
-    """A camera's axes before a plane: the axis `up` of the stage is up if it lies in the plane, shape [3, 3]."""
-    others = [axis for axis in range(3) if axis != normal]
-    top = up if up in others else others[-1]
-    right = next(axis for axis in others if axis != top)
-    rows = np.eye(3)[[right, top]]
-    return np.array([*rows, np.cross(*rows)])
-
-
-def space_axes(view: np.ndarray, up: int) -> np.ndarray:
-    """A camera's axes in space.
-
-    Args:
-        view: Direction from the scene to the camera, shape [3].
-        up: The stage's axis that is up.
-    """
-    towards = view / np.linalg.norm(view)
-    # seen from straight above, the next axis is up in the picture
-    top = np.eye(3)[up if abs(towards[up]) < 0.999 else (up + 1) % 3]
-    right = np.cross(top, towards)
-    right /= np.linalg.norm(right)
-    return np.array([right, np.cross(towards, right), towards])
 
 
 def frame_points(

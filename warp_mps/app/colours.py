@@ -87,7 +87,7 @@ def choose(animation: Animation, name: str | None = None, limits: tuple[float, f
     if name is None:
         name = next(word for word in ("von_mises", "pressure", "speed") if word in known)
     if name not in known:
-        raise InputError("--colour", name, f"is not in {animation.path}: it has {', '.join(known)}")
+        raise InputError("--colour", "", f"is {name}, which is not in {animation.path}: it has {', '.join(known)}")
     if limits is not None and not (math.isfinite(limits[1] - limits[0]) and limits[0] < limits[1]):
         raise InputError("--limits", "", f"is {limits[0]:g} {limits[1]:g}, must be two numbers, the smaller one first")
     if name == "body":
@@ -129,7 +129,7 @@ def _range(found: np.ndarray) -> tuple[float, float]:
         low = 0.0
     else:
         high = 0.0
-    return -_round_up(-low), _round_up(high)
+    return 0.0 - _round_up(-low), _round_up(high)
 
 
 def _round_up(value: float) -> float:

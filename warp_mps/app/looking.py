@@ -7,6 +7,8 @@ from typing import Annotated, Literal
 
 from tyro.conf import Positional, arg
 
+from warp_mps.errors import InputError
+
 Folder = Annotated[Path, arg(metavar="DIR", help="Folder of a run, such as runs/CASE.")]
 Overwrite = Annotated[bool, arg(help="Replace files that are there.")]
 Colour = Annotated[
@@ -27,17 +29,27 @@ View = Annotated[
 def convert(
     folder: Positional[Folder],
     *,
-    to: Annotated[Literal["pvd"], arg(help="Format: pvd, for ParaView, VisIt and VTK.")] = "pvd",
+    to: Annotated[
+        Literal["pvd", "usd"], arg(help="Format: pvd, for ParaView, VisIt and VTK; usd, with colours of a quantity.")
+    ] = "pvd",
+    colour: Colour = None,
+    limits: Limits = None,
     overwrite: Overwrite = False,
 ) -> int:
     """Convert the animation of a run: DIR/pvd/run.pvd, with a .vtp for each body, wall or fluid and frame.
 
     Times are in seconds. Positions, widths and velocities are in the stage's units, as in run.usdc (the files hold
-    metersPerUnit); pressures and stresses are in Pa, strain energies in J/m^3.
+    metersPerUnit); pressures and stresses are in Pa, strain energies in J/m^3. With --to usd: DIR/run_QUANTITY.usdc,
+    the animation whose displayColor is that of the quantity --colour, for usdview, Blender, Houdini or Omniverse.
     """
+    if to == "usd":
+        from warp_mps.app.bake import convert_to_usd
+
+        return convert_to_usd(folder, colour, limits, overwrite=overwrite)
     from warp_mps.app.convert import convert_to_pvd
 
-    assert to == "pvd"
+    if colour is not None or limits is not None:
+        raise InputError("--colour and --limits", "", "are for --to usd; ParaView chooses its colours")
     return convert_to_pvd(folder, overwrite=overwrite)
 
 

@@ -10,12 +10,13 @@ from typing import Any
 import numpy as np
 
 from warp_mps.app import figures
-from warp_mps.app.camera import frame_points, plane_axes, space_axes
+from warp_mps.app.camera import frame_points
 from warp_mps.app.colours import choose
 from warp_mps.app.result import Animation, refuse_existing
 from warp_mps.app.sheet import SMALLEST, Sheet, field, suitable_size
 from warp_mps.app.splat import Spheres, Surface, nearest, obscurance, shade
 from warp_mps.errors import InputError
+from warp_mps.usd.viewpoint import plane_axes, space_axes
 
 FORMATS = ("png", "webp")
 SETTINGS: dict[str, dict[str, Any]] = {".png": {"optimize": True}, ".webp": {"quality": 90, "method": 6}}
@@ -23,12 +24,11 @@ SETTINGS: dict[str, dict[str, Any]] = {".png": {"optimize": True}, ".webp": {"qu
 FINE = 2
 # pixels of a side at most, for the memory
 MOST = 8192
-# how much of a wall shows that stands before the scene, and the share of the scene that it may hide before it does
-GLASS, HIDDEN = 0.10, 0.02
+# how much of a wall shows that stands before the scene, the share of the scene that it may hide before it
+# does, and the pixels of a picture for that
+GLASS, HIDDEN, COARSE = 0.10, 0.02, 8
 # percentage of a fluid's particles that may leave the picture at either side
 FAR = 0.2
-# direction to the camera in space, along right, up and towards
-VIEW = (0.5, 0.38, 1.0)
 
 
 @dataclass(frozen=True)
@@ -116,8 +116,8 @@ class Painter:
         for frame in self._frames[:: max(1, len(self._frames) // 4)]:
             spheres = self._spheres(frame)
             # coarsely is enough
-            small = Spheres(spheres.centres / 8.0, spheres.depths, spheres.radii / 8.0, spheres.bulges)
-            size = (FINE * self.size[0] // 8, FINE * self.size[1] // 8)
+            small = Spheres(spheres.centres / COARSE, spheres.depths, spheres.radii / COARSE, spheres.bulges)
+            size = (FINE * self.size[0] // COARSE, FINE * self.size[1] // COARSE)
             alone = nearest(_only(small, ~np.isin(self._owners, walls)), *size)
             for wall in walls:
                 before = nearest(_only(small, self._owners == wall), *size)
@@ -209,12 +209,11 @@ def _axes(points: np.ndarray, up_axis: str, view: tuple[float, float, float] | N
     if view is not None:
         if not np.isfinite(view).all() or not np.any(view):
             raise InputError("--view", "", f"is {' '.join(f'{part:g}' for part in view)}, must be a direction")
-        return space_axes(np.array(view, dtype=float), up), False
+        return space_axes(up, np.array(view, dtype=float)), False
     flat = np.ptp(points, axis=0) == 0.0
     if flat.sum() == 1:
         return plane_axes(int(flat.argmax()), up), True
-    right, height, towards = VIEW
-    return space_axes(np.array([right, height, towards] if up == 1 else [right, -towards, height]), up), False
+    return space_axes(up), False
 
 
 def _check_size(size: tuple[int, int]) -> None:

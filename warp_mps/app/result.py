@@ -11,6 +11,7 @@ import numpy as np
 from pxr import Sdf, Usd, UsdGeom, UsdPhysics
 
 from warp_mps.errors import InputError
+from warp_mps.usd.colours import to_screen
 from warp_mps.usd.opening import open_stage
 
 ANIMATION = "run.usdc"
@@ -53,7 +54,7 @@ class Cloud:
         role: ``body``, ``wall`` or ``fluid``.
         ids: Ids, shape [n].
         widths: Widths [stage units], shape [n].
-        color: Its colour, as red, green and blue from 0 to 1, shape [3].
+        color: Its colour as screens take it, from 0 to 1, shape [3].
         scalars: Names of the quantities that are one number a particle.
     """
 
@@ -71,6 +72,7 @@ class Animation:
     Attributes:
         path: File that was read.
         clouds: Bodies, walls and fluids, in the order of the file.
+        codes: Time codes of the frames.
         times: Times of the frames [s], shape [frames].
         playback_rate: Frames that a player shows in a second [1/s].
         meters_per_unit: Length of the stage's unit [m].
@@ -89,12 +91,12 @@ class Animation:
         self.path = find_run(folder)
         self._stage = open_stage(self.path)
         points = [UsdGeom.Points(prim) for prim in self._stage.Traverse() if prim.IsA(UsdGeom.Points)]
-        self._codes = sorted({code for item in points for code in item.GetPointsAttr().GetTimeSamples()})
-        if not self._codes:
+        self.codes = sorted({code for item in points for code in item.GetPointsAttr().GetTimeSamples()})
+        if not self.codes:
             raise InputError(str(self.path), "", "has no frames")
         self._points = points
         self.clouds = tuple(_cloud(item) for item in points)
-        self.times = np.array(self._codes) / self._stage.GetTimeCodesPerSecond()
+        self.times = np.array(self.codes) / self._stage.GetTimeCodesPerSecond()
         self.playback_rate = float(self._stage.GetFramesPerSecond())
         self.meters_per_unit = float(UsdGeom.GetStageMetersPerUnit(self._stage))
         self.kilograms_per_unit = float(UsdPhysics.GetStageKilogramsPerUnit(self._stage))
@@ -103,7 +105,11 @@ class Animation:
 
     def __len__(self) -> int:
         """Number of frames."""
-        return len(self._codes)
+        return len(self.codes)
+
+    def prims(self, stage: Usd.Stage) -> list[UsdGeom.Points]:
+        """The clouds in another stage of the same layout."""
+        return [UsdGeom.Points(stage.GetPrimAtPath(item.GetPath())) for item in self._points]
 
     def some_frames(self) -> list[int]:
         """Frames that stand for all, the first and the last among them: so many that they fit the memory."""
@@ -112,23 +118,23 @@ class Animation:
 
     def points(self, cloud: int, frame: int) -> np.ndarray:
         """Positions of a cloud [stage units], shape [n, 3]."""
-        return np.array(self._points[cloud].GetPointsAttr().Get(self._codes[frame]), dtype=float).reshape(-1, 3)
+        return np.array(self._points[cloud].GetPointsAttr().Get(self.codes[frame]), dtype=float).reshape(-1, 3)
 
     def velocities(self, cloud: int, frame: int) -> np.ndarray:
         """Velocities of a cloud [stage units/s], shape [n, 3]."""
-        return np.array(self._points[cloud].GetVelocitiesAttr().Get(self._codes[frame]), dtype=float).reshape(-1, 3)
+        return np.array(self._points[cloud].GetVelocitiesAttr().Get(self.codes[frame]), dtype=float).reshape(-1, 3)
 
     def scalar(self, cloud: int, frame: int, name: str) -> np.ndarray:
         """One of the further quantities of a cloud that are one number a particle [SI units], shape [n]."""
         primvar = UsdGeom.PrimvarsAPI(self._points[cloud]).GetPrimvar(name)
-        return np.array(primvar.Get(self._codes[frame]), dtype=float).reshape(-1)
+        return np.array(primvar.Get(self.codes[frame]), dtype=float).reshape(-1)
 
     def quantities(self, cloud: int, frame: int) -> dict[str, np.ndarray]:
         """The further quantities of a cloud [SI units], by name, shape [n], [n, 3] or [n, 3, 3]."""
         values = {}
         for primvar in UsdGeom.PrimvarsAPI(self._points[cloud]).GetPrimvars():
             if primvar.GetInterpolation() == UsdGeom.Tokens.vertex:
-                value = primvar.Get(self._codes[frame])
+                value = primvar.Get(self.codes[frame])
                 if value is not None:
                     values[str(primvar.GetPrimvarName())] = np.array(value)
         return values
@@ -142,7 +148,7 @@ def _cloud(item: UsdGeom.Points) -> Cloud:
         role=str(prim.GetCustomDataByKey("role") or "body"),
         ids=np.array(item.GetIdsAttr().Get(), dtype=np.int64).reshape(-1),
         widths=np.array(item.GetWidthsAttr().Get(), dtype=np.float32).reshape(-1),
-        color=np.array(item.GetDisplayColorAttr().Get(), dtype=float).reshape(-1, 3)[0],
+        color=to_screen(np.array(item.GetDisplayColorAttr().Get()).reshape(-1, 3)[0]),
         scalars=tuple(
             str(var.GetPrimvarName()) for var in vertex if var.GetTypeName() == Sdf.ValueTypeNames.FloatArray
         ),

@@ -8,16 +8,19 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from pxr import Gf, Sdf, Tf, Usd, UsdGeom, UsdPhysics, Vt
+from pxr import Sdf, Tf, Usd, UsdGeom, UsdPhysics, Vt
 
 from warp_mps.errors import InputError, RunError
 from warp_mps.particles import Particles
+from warp_mps.usd.cutaway import walls_in_the_way
+from warp_mps.usd.scenery import Scenery, paint
 
 if TYPE_CHECKING:
     from warp_mps.scene import StageFrame
 
 ROOT = "/Result"
 PLAYBACK_RATE = 30.0
+# as screens take them
 PALETTE = (
     (0.90, 0.38, 0.22),
     (0.16, 0.50, 0.73),
@@ -44,7 +47,11 @@ class PointsFile:
         self._stage = Usd.Stage.Open(str(path))
         self._ranges = [(int(first), int(last)) for first, last in particles.ranges]
         self._widths = [_width(particles, bounds, frame) for bounds in self._ranges]
+        self._scenery = Scenery(self._stage, frame)
         self._points = [UsdGeom.Points(self._stage.GetPrimAtPath(f"{ROOT}/{name}")) for name in particles.names]
+        for points, (first, last) in zip(self._points, self._ranges, strict=True):
+            for code in points.GetExtentAttr().GetTimeSamples() if last > first else ():
+                self._scenery.enclose(np.array(points.GetExtentAttr().Get(code)))
 
     @classmethod
     def create(cls, path: Path, particles: Particles, frame: StageFrame, *, frame_rate: float) -> PointsFile:
@@ -53,6 +60,9 @@ class PointsFile:
         _define_stage(stage, frame, frame_rate)
         for index in range(len(particles.names)):
             _define_body(stage, particles, index, frame)
+        for name in walls_in_the_way(particles, frame):
+            # a guide is shown on request; what it would hide is what one wants to see
+            UsdGeom.Imageable(stage.GetPrimAtPath(f"{ROOT}/{name}")).CreatePurposeAttr(UsdGeom.Tokens.guide)
         stage.GetRootLayer().Save()
         return cls(path, particles, frame)
 
@@ -87,6 +97,8 @@ class PointsFile:
         points.GetVelocitiesAttr().Set(Vt.Vec3fArray.FromNumpy(values["velocities"]), code)
         box = extent(values["points"], self._widths[index])
         points.GetExtentAttr().Set(Vt.Vec3fArray.FromNumpy(box), code)
+        if len(values["points"]):
+            self._scenery.enclose(box)
         for name, value in values.items():
             if name not in ("points", "velocities"):
                 _set_primvar(points, name, value, code)
@@ -171,7 +183,7 @@ def _define_body(stage: Any, particles: Particles, index: int, frame: StageFrame
         role = "fluid" if first >= particles.count - particles.liquid else "wall"
     color = {"body": PALETTE[index % len(PALETTE)], "fluid": LIQUID_COLOR, "wall": WALL_COLOR}[role]
     points.GetPrim().SetCustomDataByKey("role", role)
-    points.CreateDisplayColorPrimvar(UsdGeom.Tokens.constant).Set([Gf.Vec3f(*color)])
+    paint(points, role, color)
     for create in (points.CreatePointsAttr, points.CreateVelocitiesAttr, points.CreateExtentAttr):
         create()
 
