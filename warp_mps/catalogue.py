@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 from warp_mps.errors import InputError
@@ -28,8 +29,9 @@ def find_case(case: str) -> Path:
         InputError: There is neither.
     """
     path = Path(case)
-    if path.suffix in SUFFIXES or path.is_file():
-        if not path.is_file():
+    there = os.path.isfile(path)
+    if path.suffix in SUFFIXES or there:
+        if not there:
             raise InputError(case, "", "there is no such file")
         return path
     shipped = shipped_cases()

@@ -198,6 +198,24 @@ def refuse_too_large(scene: Scene) -> None:
 
 def available_memory() -> float:
     """Memory that can be taken without swapping [bytes]; infinite where the system does not say."""
+    return min(_free_memory(), _left_of_limit())
+
+
+def _left_of_limit() -> float:
+    """Memory that the process may still take [bytes], where its address space is limited."""
+    try:
+        import resource
+
+        limit, _ = resource.getrlimit(resource.RLIMIT_AS)
+        if limit == resource.RLIM_INFINITY:
+            return math.inf
+        with open("/proc/self/statm", encoding="ascii") as file:
+            return max(0.0, limit - float(file.read().split()[0]) * resource.getpagesize())
+    except (ImportError, OSError, ValueError):
+        return math.inf
+
+
+def _free_memory() -> float:
     try:
         with open("/proc/meminfo", encoding="ascii") as file:
             values = dict(line.split(":") for line in file)

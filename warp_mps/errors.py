@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+# of a place, an attribute or a reason: what is longer is a value that nobody wants to read
+LONGEST = 400
+
 
 class InputError(ValueError):
-    """What was asked for cannot be run (exit code 2).
+    """What was asked for cannot be run (exit code 2). Its text is one line, in which what is far too long is cut.
 
     Args:
         where: What the input belongs to: a prim path, or a Python object such as ``body 'beam'``.
@@ -16,7 +19,14 @@ class InputError(ValueError):
         self.where = where
         self.attribute = attribute
         self.reason = reason
+        where, attribute, reason = (_line(part) for part in (where, attribute, reason))
         super().__init__(" ".join(part for part in (where, attribute) if part) + ": " + reason)
+
+
+def _line(text: str) -> str:
+    """A text as one line of limited length, its beginning and its end."""
+    line = " ".join(text.split())
+    return line if len(line) <= LONGEST else f"{line[: LONGEST // 2]} ... {line[-LONGEST // 2 :]}"
 
 
 class RunError(RuntimeError):

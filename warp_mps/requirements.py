@@ -14,6 +14,10 @@ if TYPE_CHECKING:
     from warp_mps.scene import Body, Fluid, Load, Measurement, Part, Probe, Support, Wall
 
 
+# of any number, in SI units: beyond it, and below its inverse, products of a few numbers are no numbers any more
+LARGEST = 1e60
+
+
 def place(item: Body | Part | Wall | Fluid | Support | Load | Probe | Measurement, kind: str) -> str:
     """How an error names an item: its path, or its kind and name where it has none."""
     return item.path or f"{kind} '{item.name}'"
@@ -30,12 +34,14 @@ def require(good: bool | np.bool_, where: str, attribute: str, reason: str) -> N
 
 
 def positive(value: float, where: str, attribute: str) -> None:
-    """Refuse a number that is not finite and above 0.
+    """Refuse a number that is not finite and above 0, or that is absurdly small or large.
 
     Raises:
         InputError: It is.
     """
     require(math.isfinite(value) and value > 0.0, where, attribute, f"is {value:g}, must be finite and above 0")
+    good = 1.0 / LARGEST <= value <= LARGEST
+    require(good, where, attribute, f"is {value:g}, must be between {1.0 / LARGEST:g} and {LARGEST:g}")
 
 
 def in_range(value: float, low: float, high: float, where: str, attribute: str) -> None:
@@ -44,7 +50,7 @@ def in_range(value: float, low: float, high: float, where: str, attribute: str) 
     Raises:
         InputError: It is.
     """
-    good = math.isfinite(value) and low <= value <= high
+    good = math.isfinite(value) and low <= value <= min(high, LARGEST)
     limits = f"at least {low:g}" if math.isinf(high) else f"between {low:g} and {high:g}"
     require(good, where, attribute, f"is {value:g}, must be finite and {limits}")
 
@@ -67,3 +73,5 @@ def vector(value: Sequence[float] | np.ndarray, size: int, where: str, attribute
     array = np.asarray(value, float)
     good = array.shape == (size,) and bool(np.all(np.isfinite(array)))
     require(good, where, attribute, f"is {tuple(array.tolist())}, must be {size} finite numbers")
+    reason = f"is {tuple(array.tolist())}, must be {size} numbers of at most {LARGEST:g} in size"
+    require(bool(np.all(np.abs(array) <= LARGEST)), where, attribute, reason)

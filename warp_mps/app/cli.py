@@ -34,6 +34,7 @@ Changes = UseAppendAction[
         arg(name="set", metavar="/PRIM.ATTR=VALUE", help="Change an attribute of the stage, in its units; repeatable."),
     ]
 ]
+External = Annotated[bool, arg(help="Let the stage refer to files outside its folder.")]
 
 
 def list_cases() -> int:
@@ -43,11 +44,13 @@ def list_cases() -> int:
     return show_cases()
 
 
-def check(case: Positional[Case], *, duration: Duration = None, changes: Changes = ()) -> int:
+def check(
+    case: Positional[Case], *, duration: Duration = None, changes: Changes = (), allow_external: External = False
+) -> int:
     """Read a case and say what a run of it would take: particles, time step, memory, time. Runs nothing."""
     from warp_mps.app.show import show_check
 
-    return show_check(_read(case, changes, duration))
+    return show_check(_read(case, changes, duration, allow_external=allow_external))
 
 
 def run(
@@ -63,12 +66,13 @@ def run(
     checkpoint_interval: Annotated[float, arg(metavar="S", help="Wall seconds between two checkpoints.")] = 60.0,
     quiet: Annotated[bool, arg(help="Show no progress.")] = False,
     changes: Changes = (),
+    allow_external: External = False,
 ) -> int:
     """Run a case: leaves run.usdc (animation), probes.csv, run.json (summary) and checkpoint.npz in a folder."""
     from warp_mps.app.show import show_summary
     from warp_mps.runs import run_scene
 
-    scene = _read(case, changes, duration)
+    scene = _read(case, changes, duration, allow_external=allow_external)
     folder = out or Path("runs") / scene.name
     start = functools.partial(run_scene, scene, folder, device=device, precision=precision, threads=threads)
     try:
@@ -87,11 +91,12 @@ def validate(
     out: Annotated[Path | None, arg(metavar="DIR", help="Keep the results here; default: a temporary folder.")] = None,
     device: Device = "cpu",
     precision: Precision = "float64",
+    allow_external: External = False,
 ) -> int:
     """Run cases and print what was measured beside what is known: measured, reference, error, source."""
     from warp_mps.app.validate import validate_cases
 
-    return validate_cases(cases, out=out, device=device, precision=precision)
+    return validate_cases(cases, out=out, device=device, precision=precision, allow_external=allow_external)
 
 
 def bench(
@@ -153,6 +158,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return _fail(str(stage_error(error)), 2)
     except RunError as error:
         return _fail(str(error), 3)
+    except MemoryError:
+        return _fail("there is not enough memory; a larger mps:spacing makes fewer particles", 3)
     except KeyboardInterrupt:
         return _fail("interrupted", INTERRUPTED)
 
@@ -167,7 +174,7 @@ def _dispatch(arguments: list[str]) -> Any:
     )
 
 
-def _read(case: str, changes: Sequence[str], duration: float | None = None) -> Any:
+def _read(case: str, changes: Sequence[str], duration: float | None, *, allow_external: bool) -> Any:
     """The scene of a case, changed as the user wishes."""
     from dataclasses import replace
 
@@ -175,7 +182,7 @@ def _read(case: str, changes: Sequence[str], duration: float | None = None) -> A
     from warp_mps.usd.read import read_stage
 
     overrides = dict(_parse_change(change) for change in changes)
-    scene = read_stage(find_case(case), overrides=overrides)
+    scene = read_stage(find_case(case), overrides=overrides, allow_external=allow_external)
     return scene if duration is None else replace(scene, duration=duration)
 
 

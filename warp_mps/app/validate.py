@@ -15,7 +15,9 @@ from warp_mps.runs import run_scene
 from warp_mps.usd.read import read_stage
 
 
-def validate_cases(cases: Sequence[str], *, out: Path | None, device: str, precision: str) -> int:
+def validate_cases(
+    cases: Sequence[str], *, out: Path | None, device: str, precision: str, allow_external: bool = False
+) -> int:
     """Run cases and print a table of their measurements.
 
     Args:
@@ -23,6 +25,7 @@ def validate_cases(cases: Sequence[str], *, out: Path | None, device: str, preci
         out: Folder that keeps the results, a folder for each case; None keeps nothing.
         device: Device to run on.
         precision: ``float64`` or ``float32``.
+        allow_external: Whether a stage may refer to files outside its folder.
 
     Returns:
         0, or 3 when a case could not be finished.
@@ -32,15 +35,17 @@ def validate_cases(cases: Sequence[str], *, out: Path | None, device: str, preci
     """
     paths = [find_case(case) for case in cases or shipped_cases()]
     with tempfile.TemporaryDirectory(prefix="warp-mps-") as scratch:
-        outcomes = [_run(path, out or Path(scratch), device, precision) for path in paths]
+        outcomes = [_run(path, out or Path(scratch), device, precision, allow_external) for path in paths]
     show_measurements([row for rows, _ in outcomes for row in rows])
     return 0 if all(good for _, good in outcomes) else 3
 
 
-def _run(path: Path, folder: Path, device: str, precision: str) -> tuple[list[tuple[str, dict[str, Any]]], bool]:
+def _run(
+    path: Path, folder: Path, device: str, precision: str, allow_external: bool
+) -> tuple[list[tuple[str, dict[str, Any]]], bool]:
     """The measurements of a case and of its energy, and whether it came to its end."""
     print(f"warp-mps: running {path.stem}", file=sys.stderr, flush=True)
-    scene = read_stage(path)
+    scene = read_stage(path, allow_external=allow_external)
     try:
         summary = run_scene(scene, folder / scene.name, device=device, precision=precision, overwrite=True, quiet=True)
     except RunError as error:

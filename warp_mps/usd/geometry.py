@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import numpy as np
-from pxr import Usd, UsdGeom
+from pxr import Tf, Usd, UsdGeom
 
 from warp_mps.errors import InputError
+from warp_mps.requirements import LARGEST
 from warp_mps.shapes import Box, Cylinder, Mesh, Points, Shape, Sphere
 from warp_mps.shapes.lattice import rigid_axes
 from warp_mps.usd.attributes import stage_error
 from warp_mps.usd.frame import Frame
+from warp_mps.usd.layers import reason_of
+from warp_mps.usd.values import typed
 
 KINDS = ("Cube", "Sphere", "Cylinder", "Mesh", "Points")
 
@@ -23,13 +26,21 @@ def world_matrix(prim: Usd.Prim) -> np.ndarray:
     """Matrix from a prim's coordinates to the stage's, columns are the images of its axes, shape [4, 4].
 
     Raises:
-        InputError: It varies in time, which a case does by motions, not by transforms.
+        InputError: It cannot be read, or varies in time, which a case does by motions, not by transforms.
     """
     ancestor = prim
     while ancestor:
         transform = UsdGeom.Xformable(ancestor)
-        if transform and transform.TransformMightBeTimeVarying():
+        try:
+            varies = transform and transform.TransformMightBeTimeVarying()
+            matrix = np.array(transform.GetLocalTransformation() if transform else np.eye(4))
+        except Tf.ErrorException as error:
+            raise InputError(str(ancestor.GetPath()), "xformOpOrder", f"cannot be read: {reason_of(error)}") from None
+        if varies:
             reason = "varies in time; a support or a wall moves by mps:motion:amplitude or mps:motion:times"
+            raise InputError(str(ancestor.GetPath()), "xformOpOrder", reason)
+        if not np.abs(matrix).max() <= LARGEST:
+            reason = f"makes a matrix that is not finite, or above {LARGEST:g}"
             raise InputError(str(ancestor.GetPath()), "xformOpOrder", reason)
         ancestor = ancestor.GetParent()
     return np.array(UsdGeom.XformCache(Usd.TimeCode.Default()).GetLocalToWorldTransform(prim)).T
@@ -66,7 +77,7 @@ def read_shape(prim: Usd.Prim, frame: Frame, inner_radius: float = 0.0) -> Shape
 
 
 def _box(prim: Usd.Prim, frame: Frame, placement: np.ndarray) -> Shape:
-    size = UsdGeom.Cube(prim).GetSizeAttr().Get() * frame.stage.meters_per_unit
+    size = typed(UsdGeom.Cube(prim).GetSizeAttr(), "double") * frame.stage.meters_per_unit
     axes = rigid_axes(placement[:3, :3])
     if axes is None:
         return Box((size, size, size), placement=placement)
@@ -76,7 +87,7 @@ def _box(prim: Usd.Prim, frame: Frame, placement: np.ndarray) -> Shape:
 
 
 def _sphere(prim: Usd.Prim, frame: Frame, placement: np.ndarray) -> Shape:
-    radius = UsdGeom.Sphere(prim).GetRadiusAttr().Get() * frame.stage.meters_per_unit
+    radius = typed(UsdGeom.Sphere(prim).GetRadiusAttr(), "double") * frame.stage.meters_per_unit
     axes, scales = rigid_axes(placement[:3, :3]), np.linalg.norm(placement[:3, :3], axis=0)
     if axes is None or not np.allclose(scales, scales[0], rtol=1e-9):
         return Sphere(radius, placement=placement)
@@ -85,8 +96,10 @@ def _sphere(prim: Usd.Prim, frame: Frame, placement: np.ndarray) -> Shape:
 
 
 def _cylinder(prim: UsdGeom.Cylinder, frame: Frame, placement: np.ndarray, inner_radius: float) -> Shape:
-    unit, axis = frame.stage.meters_per_unit, prim.GetAxisAttr().Get().lower()
-    radius, height = prim.GetRadiusAttr().Get() * unit, prim.GetHeightAttr().Get() * unit
+    unit, axis = frame.stage.meters_per_unit, typed(prim.GetAxisAttr(), "token").lower()
+    if axis not in ("x", "y", "z"):
+        raise InputError("", "axis", f"is {axis!r}, must be X, Y or Z")
+    radius, height = (typed(item, "double") * unit for item in (prim.GetRadiusAttr(), prim.GetHeightAttr()))
     axes, scales = rigid_axes(placement[:3, :3]), np.linalg.norm(placement[:3, :3], axis=0)
     along = "xyz".index(axis)
     across = np.delete(scales, along)
@@ -100,23 +113,33 @@ def _cylinder(prim: UsdGeom.Cylinder, frame: Frame, placement: np.ndarray, inner
 def _mesh(prim: Usd.Prim, frame: Frame, placement: np.ndarray) -> Shape:
     mesh, path = UsdGeom.Mesh(prim), str(prim.GetPath())
     points, counts, indices = (
-        np.array(attribute.Get() or ())
-        for attribute in (mesh.GetPointsAttr(), mesh.GetFaceVertexCountsAttr(), mesh.GetFaceVertexIndicesAttr())
+        _array(attribute, kind)
+        for attribute, kind in (
+            (mesh.GetPointsAttr(), "point3f[]"),
+            (mesh.GetFaceVertexCountsAttr(), "int[]"),
+            (mesh.GetFaceVertexIndicesAttr(), "int[]"),
+        )
     )
     if not len(points) or not len(counts):
         raise InputError(path, "points" if not len(points) else "faceVertexCounts", "is empty")
     if counts.min() < 3 or counts.sum() != len(indices):
         reason = f"must be at least 3 a face and {len(indices)} in sum, the length of faceVertexIndices"
         raise InputError(path, "faceVertexCounts", reason)
-    metres = points.astype(float) * frame.stage.meters_per_unit
-    return Mesh(metres, _fans(counts, indices), placement=None if np.array_equal(placement, np.eye(4)) else placement)
+    if indices.min() < 0 or indices.max() >= len(points):
+        raise InputError(path, "faceVertexIndices", f"must be from 0 to {len(points) - 1}, the last of the points")
+    metres = points * frame.stage.meters_per_unit
+    return Mesh(
+        metres,
+        _fans(counts.astype(int), indices.astype(int)),
+        placement=None if np.array_equal(placement, np.eye(4)) else placement,
+    )
 
 
 def _points(prim: Usd.Prim, frame: Frame, placement: np.ndarray) -> Shape:
     points = UsdGeom.Points(prim)
     positions, velocities = (
-        np.array(attribute.Get() or (), float).reshape(-1, 3) * frame.stage.meters_per_unit
-        for attribute in (points.GetPointsAttr(), points.GetVelocitiesAttr())
+        _array(attribute, kind).reshape(-1, 3) * frame.stage.meters_per_unit
+        for attribute, kind in ((points.GetPointsAttr(), "point3f[]"), (points.GetVelocitiesAttr(), "vector3f[]"))
     )
     if not len(positions):
         raise InputError(str(prim.GetPath()), "points", "is empty")
@@ -125,6 +148,11 @@ def _points(prim: Usd.Prim, frame: Frame, placement: np.ndarray) -> Shape:
         reason = f"must lie in the plane {frame.stage.axes} of this 2-D scene"
         raise InputError(str(prim.GetPath()), "velocities", reason)
     return Points(positions @ placement[:3, :3].T + placement[:3, 3], turned if len(turned) else None)
+
+
+def _array(attribute: Usd.Attribute, kind: str) -> np.ndarray:
+    """An array that need not be given."""
+    return typed(attribute, kind) if attribute.HasAuthoredValue() else np.zeros(0)
 
 
 def _rigid(axes: np.ndarray, placement: np.ndarray) -> tuple[tuple[float, ...], np.ndarray | None]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
@@ -12,6 +13,7 @@ from pxr import Sdf, Tf, Usd, UsdUtils
 from warp_mps.errors import InputError
 from warp_mps.usd import register_schema
 from warp_mps.usd.attributes import ROLE, TABLE
+from warp_mps.usd.layers import check_layers, reason_of
 
 # The attributes that belong to any role; their types are those of the table, or this one.
 _EXTRA_TYPES = {ROLE: "token"}
@@ -28,11 +30,14 @@ def quiet() -> Iterator[None]:
         del delegate
 
 
-def open_stage(path: str | Path, *, overrides: Mapping[str, str] | None = None) -> Usd.Stage:
+def open_stage(
+    path: str | Path, *, overrides: Mapping[str, str] | None = None, allow_external: bool = False
+) -> Usd.Stage:
     """Open a stage and change some of its attributes in memory.
 
     Args:
         path: File of the stage.
+        allow_external: Whether it may refer to files outside its folder.
         overrides: Texts of values by ``/Prim.attribute``, in the notation of a .usda file; tokens and strings need
             no quotes.
 
@@ -40,18 +45,19 @@ def open_stage(path: str | Path, *, overrides: Mapping[str, str] | None = None) 
         The stage; its file is not changed.
 
     Raises:
-        InputError: The file is missing or is no stage, something it refers to is missing, or an override is wrong.
+        InputError: The file is missing or is no stage, something it refers to is missing or outside its folder, or an
+            override is wrong.
     """
     register_schema()
-    if not Path(path).is_file():
+    if not os.path.isfile(path):
         raise InputError(str(path), "", "there is no such file")
     with quiet():
         try:
-            stage = Usd.Stage.Open(str(path))
-            # USD hands out what it holds in memory: what counts here is the file as it is now.
-            stage.Reload()
-        except Tf.ErrorException as error:
-            raise InputError(str(path), "", f"is not a USD stage that can be read: {_reason(error)}") from None
+            # kept until the stage is composed of them
+            layers = check_layers(path, allow_external=allow_external)
+            stage = Usd.Stage.Open(layers[0])
+        except (Tf.ErrorException, UnicodeDecodeError) as error:
+            raise InputError(str(path), "", f"is not a USD stage that can be read: {reason_of(error)}") from None
         errors = stage.GetCompositionErrors()
         if errors:
             raise InputError(str(path), "", " ".join(str(errors[0]).split()))
@@ -108,9 +114,3 @@ def _parse(prim_path: str, name: str, kind: str, text: str) -> object:
     if attribute is None or attribute.default is None:
         raise InputError(prim_path, name, f"{text!r} is not of type {kind}")
     return attribute.default
-
-
-def _reason(error: Exception) -> str:
-    """The first message among the frames and file names that USD reports."""
-    line = next((line for line in str(error).splitlines() if line.strip()), "")
-    return " ".join(line.partition(" : ")[2].strip("' ").split()) or "unknown format"

@@ -24,6 +24,8 @@ from warp_mps.usd.geometry import world_matrix
 from warp_mps.usd.values import Values, shortest, typed
 
 EARTH_GRAVITY = 9.81
+# of a unit of length [m] or mass [kg]: from below an atom's to beyond a galaxy's
+LARGEST_UNIT = 1e30
 
 
 def physics_scene(prims: list[Usd.Prim], path: str) -> Usd.Prim:
@@ -74,6 +76,9 @@ def frame(stage: Usd.Stage, physics: Usd.Prim) -> Frame:
     for name, value in units.items():
         if not np.isfinite(value) or value <= 0:
             raise InputError("/", name, f"is {value:g}, must be finite and above 0")
+        if not 1.0 / LARGEST_UNIT <= value <= LARGEST_UNIT:
+            reason = f"is {value:g}, must be between {1.0 / LARGEST_UNIT:g} and {LARGEST_UNIT:g}"
+            raise InputError("/", name, reason)
     axes = plane if dimension == 2 else "xyz"
     length, mass = units.values()
     return Frame(StageFrame(axes=axes, up_axis=up_axis, meters_per_unit=length, kilograms_per_unit=mass), dimension)
@@ -82,12 +87,12 @@ def frame(stage: Usd.Stage, physics: Usd.Prim) -> Frame:
 def gravity(stage: Usd.Stage, physics: Usd.Prim, frame: Frame) -> tuple[float, ...]:
     """Gravity by the rules of UsdPhysics: a zero direction is down, a negative magnitude is that of the Earth."""
     row, path = TABLE["scene"]["physics:gravityMagnitude"], str(physics.GetPath())
-    magnitude = shortest(UsdPhysics.Scene(physics).GetGravityMagnitudeAttr().Get())
-    if not magnitude < 0 and not np.isfinite(magnitude):
-        raise InputError(path, row.name, "must be finite")
+    given = UsdPhysics.Scene(physics).GetGravityMagnitudeAttr()
+    # the default is minus infinity
+    magnitude = typed(given, row.kind) if given.HasAuthoredValue() and given.Get() != -np.inf else -np.inf
     magnitude = EARTH_GRAVITY / frame.stage.meters_per_unit if magnitude < 0 else magnitude
     attribute = UsdPhysics.Scene(physics).GetGravityDirectionAttr()
-    direction = np.array([shortest(part) for part in typed(attribute, TABLE["scene"][attribute.GetName()])])
+    direction = np.array([shortest(part) for part in typed(attribute, TABLE["scene"][attribute.GetName()].kind)])
     if not direction.any():
         direction = -np.eye(3)["XYZ".index(frame.stage.up_axis)]
     vector = magnitude * direction / np.linalg.norm(direction)

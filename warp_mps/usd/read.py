@@ -6,7 +6,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from pxr import Usd, UsdShade
+import numpy as np
+from pxr import Tf, Usd, UsdShade
 
 from warp_mps.components import component_names
 from warp_mps.errors import InputError
@@ -29,6 +30,7 @@ from warp_mps.shapes import Shape, particle_count
 from warp_mps.usd import parts
 from warp_mps.usd.attributes import ROLE, stage_error
 from warp_mps.usd.geometry import has_shape, read_shape
+from warp_mps.usd.layers import reason_of
 from warp_mps.usd.opening import open_stage, quiet
 from warp_mps.usd.values import Values
 
@@ -36,13 +38,14 @@ from warp_mps.usd.values import Values
 FILLED = ("body", "wall", "fluid")
 
 
-def read_stage(path: str | Path, *, overrides: Mapping[str, str] | None = None) -> Scene:
+def read_stage(path: str | Path, *, overrides: Mapping[str, str] | None = None, allow_external: bool = False) -> Scene:
     """Read the scene that a stage describes.
 
     Args:
         path: File of the stage.
         overrides: Texts of attribute values by ``/Prim.attribute`` that replace the stage's own for this reading, in
             the notation of a .usda file.
+        allow_external: Whether the stage may refer to files outside its folder.
 
     Returns:
         The scene, in SI units and its own axes.
@@ -50,14 +53,17 @@ def read_stage(path: str | Path, *, overrides: Mapping[str, str] | None = None) 
     Raises:
         InputError: Something in the stage is missing or not allowed; it names the prim and the attribute.
     """
-    stage = open_stage(path, overrides=overrides)
-    with quiet():
+    stage = open_stage(path, overrides=overrides, allow_external=allow_external)
+    # numbers that are too large for a computer are refused as such wherever they come out
+    with quiet(), np.errstate(all="ignore"):
         try:
             scene = _Reader(stage, str(path)).scene(Path(path).stem)
             for item in scene.filled:
                 _check_lattice(item, scene.dimension)
         except InputError as error:
             raise stage_error(error) from None
+        except (Tf.ErrorException, UnicodeDecodeError) as error:
+            raise InputError(str(path), "", f"cannot be read: {reason_of(error)}") from None
     return scene
 
 

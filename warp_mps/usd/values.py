@@ -6,11 +6,13 @@ import difflib
 from typing import Any
 
 import numpy as np
-from pxr import Usd, Vt
+from pxr import Tf, Usd, Vt
 
 from warp_mps.errors import InputError
-from warp_mps.usd.attributes import ROLE, TABLE, Attribute
+from warp_mps.requirements import LARGEST
+from warp_mps.usd.attributes import ROLE, TABLE
 from warp_mps.usd.frame import Frame
+from warp_mps.usd.layers import reason_of
 
 
 class Values:
@@ -55,7 +57,7 @@ class Values:
             if row.required:
                 raise InputError(self.path, name, f"is missing: {row.meaning}")
             return None
-        value = typed(self.prim.GetAttribute(name), row)
+        value = typed(self.prim.GetAttribute(name), row.kind)
         wrong = [name for name in (value if row.kind == "token[]" else [value]) if str(name) not in row.allowed]
         if row.allowed and wrong:
             raise InputError(self.path, name, f"is {wrong[0]!r}, must be one of: {', '.join(row.allowed)}")
@@ -93,7 +95,10 @@ class Values:
         """
         if self.prim.HasAttribute(name):
             raise InputError(self.path, name, "must be a relationship (rel)")
-        paths = self.prim.GetRelationship(name).GetForwardedTargets() if self.prim.HasRelationship(name) else []
+        try:
+            paths = self.prim.GetRelationship(name).GetForwardedTargets() if self.prim.HasRelationship(name) else []
+        except Tf.ErrorException as error:
+            raise InputError(self.path, name, reason_of(error)) from None
         if not paths and self.table[name].required:
             raise InputError(self.path, name, f"is missing: {self.table[name].meaning}")
         for path in paths:
@@ -102,22 +107,25 @@ class Values:
         return [str(path) for path in paths]
 
 
-def typed(attribute: Usd.Attribute, row: Attribute) -> Any:
-    """Value of an attribute as plain numbers and texts.
+def typed(attribute: Usd.Attribute, kind: str) -> Any:
+    """Value of an attribute as plain numbers and texts, arrays as floats.
 
     Raises:
-        InputError: It is of another type than the table says, or not finite.
+        InputError: It is of another type, not finite, or absurdly large.
     """
-    path, value = str(attribute.GetPrim().GetPath()), attribute.Get()
+    path, name, value = str(attribute.GetPrim().GetPath()), attribute.GetName(), attribute.Get()
     if value is None or attribute.GetNumTimeSamples():
-        raise InputError(path, row.name, "must have a value that does not vary in time")
-    plain = _plain(value, row.kind)
+        raise InputError(path, name, "must have a value that does not vary in time")
+    plain = _plain(value, kind)
     if plain is None:
         # as it is written: of a prim that applies the schema, the attribute itself has the type of the schema
         written = attribute.GetPropertyStack()[0].typeName
-        raise InputError(path, row.name, f"must be {row.kind}, not {written}")
-    if row.kind not in ("token", "token[]", "string", "bool") and not np.isfinite(plain).all():
-        raise InputError(path, row.name, "must be finite")
+        raise InputError(path, name, f"must be {kind}, not {written}")
+    if kind not in ("token", "token[]", "string", "bool"):
+        if not np.isfinite(plain).all():
+            raise InputError(path, name, "must be finite")
+        if np.size(plain) and np.abs(plain).max() > LARGEST:
+            raise InputError(path, name, f"must be at most {LARGEST:g} in size")
     return plain
 
 
@@ -143,7 +151,9 @@ def _array(value: Any, kind: str) -> np.ndarray | None:
         array = np.asarray(value, float)
     except (TypeError, ValueError):
         return None
+    if not kind.endswith("[]"):
+        return array if array.shape == (3,) else None
     if array.size == 0:
         return array
-    good = array.shape == (3,) if not kind.endswith("[]") else array.ndim == (2 if kind == "double3[]" else 1)
-    return array if good else None
+    vectors = kind in ("double3[]", "point3f[]", "vector3f[]")
+    return array if array.ndim == (2 if vectors else 1) and (not vectors or array.shape[1] == 3) else None

@@ -1,0 +1,148 @@
+"""Commands in a process of their own, which a watchdog kills when one hangs, crashes or takes too much memory.
+
+As a script it is that process: it takes commands as lines of JSON, and answers each with a line.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import resource
+import select
+import subprocess
+import sys
+import tempfile
+import time
+import traceback
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+# address space of a worker [bytes]
+MEMORY = 6 * 2**30
+# resident memory above which a command has failed [bytes]
+RESIDENT = 3 * 2**30
+
+
+@dataclass(frozen=True)
+class Ending:
+    """How a command ended.
+
+    Attributes:
+        code: Exit code; -1 if it did not end by itself.
+        out: What it printed.
+        err: What it printed as errors, the worker's and USD's own included.
+        seconds: How long it took [s].
+        resident: The most memory that was resident [bytes].
+    """
+
+    code: int
+    out: str = ""
+    err: str = ""
+    seconds: float = 0.0
+    resident: int = 0
+
+
+class Worker:
+    """Runs commands one by one, in a process that is started anew when it had to be killed.
+
+    Args:
+        patience: How long a command may take [s].
+    """
+
+    def __init__(self, patience: float = 10.0) -> None:
+        self._patience = patience
+        self._process: subprocess.Popen | None = None
+
+    def run(self, arguments: Sequence[str]) -> Ending:
+        """Run ``warp-mps`` with some arguments."""
+        process = self._process = self._process or self._start()
+        assert process.stdin is not None
+        assert process.stdout is not None
+        process.stdin.write(json.dumps(list(arguments)) + "\n")
+        process.stdin.flush()
+        begin = time.monotonic()
+        ready, _, _ = select.select([process.stdout], [], [], self._patience)
+        answer = process.stdout.readline() if ready else ""
+        if answer:
+            return Ending(**json.loads(answer))
+        seconds, code = time.monotonic() - begin, process.poll() if not ready else process.wait()
+        self.close()
+        return Ending(-1, err="hangs" if not ready else f"the process died: exit {code}", seconds=seconds)
+
+    def close(self) -> None:
+        """End the process."""
+        if self._process is not None:
+            self._process.kill()
+            self._process.communicate()
+            self._process = None
+
+    def __enter__(self) -> Worker:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def _start(self) -> subprocess.Popen:
+        command = [sys.executable, "-m", "tests.faults.worker"]
+        environment = {**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
+        root = Path(__file__).parents[2]
+        pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "text": True}
+        process = subprocess.Popen(command, cwd=root, env=environment, **pipes)
+        assert process.stdout is not None
+        process.stdout.readline()  # it says when it is there
+        return process
+
+
+def serve() -> None:
+    """Take commands until there are no more."""
+    resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    from warp_mps.app.cli import main
+
+    # what USD prints itself goes to the descriptors
+    answers = os.fdopen(os.dup(1), "w", buffering=1)
+    print("ready", file=answers)
+    for line in sys.stdin:
+        print(json.dumps(asdict(_timed(main, json.loads(line)))), file=answers)
+
+
+def _timed(main: Callable[[Sequence[str]], int], arguments: Sequence[str]) -> Ending:
+    Path("/proc/self/clear_refs").write_text("5", encoding="ascii")  # begins the peak of resident memory anew
+    with tempfile.TemporaryFile() as out, tempfile.TemporaryFile() as err:
+        kept = [os.dup(number) for number in (1, 2)]
+        os.dup2(out.fileno(), 1)
+        os.dup2(err.fileno(), 2)
+        begin = time.monotonic()
+        try:
+            code = main(arguments)
+        except SystemExit as error:
+            code = error.code if isinstance(error.code, int) else 1
+        except BaseException:
+            traceback.print_exc()
+            code = 1
+        seconds = time.monotonic() - begin
+        for stream in (sys.stdout, sys.stderr):
+            with contextlib.suppress(OSError):
+                stream.flush()
+        for number, copy in zip((1, 2), kept, strict=True):
+            os.dup2(copy, number)
+            os.close(copy)
+        texts = [_text(file) for file in (out, err)]
+    return Ending(code, *texts, seconds=seconds, resident=_peak())
+
+
+def _text(file: object) -> str:
+    file.seek(0)
+    return file.read().decode("utf-8", "backslashreplace")
+
+
+def _peak() -> int:
+    """The most memory that was resident [bytes]."""
+    lines = Path("/proc/self/status").read_text(encoding="ascii").splitlines()
+    return 1024 * next(int(line.split()[1]) for line in lines if line.startswith("VmHWM"))
+
+
+if __name__ == "__main__":
+    serve()
