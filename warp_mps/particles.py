@@ -81,6 +81,11 @@ class Particles:
         walls[self.count - self.liquid :] = -1
         return walls
 
+    def describe(self, index: int) -> str:
+        """What a person calls a particle: its identifier, its body, and where it comes from."""
+        place = ", ".join(f"{value:.6g}" for value in self.positions[index])
+        return f"particle {int(self.ids[index])} of body '{self.names[int(self.bodies[index])]}' (from ({place}) m)"
+
     def elastic_part(self) -> Particles:
         """The elastic particles alone."""
         return self._first(self.elastic)

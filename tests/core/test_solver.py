@@ -251,6 +251,20 @@ def test_a_tolerance_below_the_rounding_error_is_flagged_and_ends() -> None:
     assert system.residual(x) < 1e-12
 
 
+def test_the_worst_row_is_where_the_true_residual_is_largest() -> None:
+    system = laplacian((30, 20))
+    solver = make_solver(system.n, max_iterations=7)
+    x = vector(np.zeros(system.n))
+    solver.solve(on_device(system), vector(system.b), x)
+    residual = np.abs(system.b - system.matrix @ x.numpy())
+    assert solver.worst_row() == system.unknowns[np.argmax(residual[system.unknowns])]
+    assert residual.max() > 0.0
+    row, b = int(system.unknowns[77]), system.b.copy()
+    b[row] = np.nan
+    solver.solve(on_device(system), vector(b), x)
+    assert solver.worst_row() == row
+
+
 def test_an_indefinite_matrix_is_flagged() -> None:
     system = laplacian((10, 10))
     indefinite = System(system.positions, 3.0 * system.weights, system.diagonal, system.active, system.b)

@@ -165,7 +165,7 @@ def test_a_leak_ends_the_run() -> None:
     """Water over a hole: what has fallen out of the domain is counted."""
     flow = Flow(domain=([-0.3, -0.2], [0.3, 0.5]))
     simulation = Simulation(scene_of(water([0.0, 0.0], [0.1, 0.1]), gravity=(0.0, -9.81), flow=flow, duration=1.0))
-    with pytest.raises(RunError, match=r"^at t = 0\.\d+ s: \d+ of 25 fluid particles have left the domain: there is"):
+    with pytest.raises(RunError, match=r"^at t = 0\.\d+ s: \d+ of 25 fluid particles have left the domain, as"):
         simulation.run([Guard(every=1, time_step=INTERVAL)])
     assert 0.19 < simulation.time < 0.22
 
@@ -195,7 +195,7 @@ def test_water_that_collapses_into_a_point_ends_the_run() -> None:
     x[:] = [0.1, 0.3] + 0.01 * x
     state.x.assign(x)
     simulation.fluids.lists.renew(state.x, state.lost)
-    with pytest.raises(RunError, match=r"^at t = 0 s: more particles crowd about \(0\.1\d*, 0\.3\d*\) m than a"):
+    with pytest.raises(RunError, match=r"^at t = 0 s: more .* about particle .* at \(0\.1\d*, 0\.3\d*\) m than a"):
         simulation.run()
 
 
@@ -208,8 +208,8 @@ def test_a_particle_that_runs_away_ends_the_run_at_once(graphs: bool) -> None:
     k = 20
     u[w + k] = [0.0, -3e4]
     fluids.state.u.assign(u)
-    particle = fluids.state.order.numpy()[k]
-    with pytest.raises(RunError, match=rf"^at t = 0\.01\d* s: fluid particle {particle} at .* m runs away at"):
+    particle = w + fluids.state.order.numpy()[k]
+    with pytest.raises(RunError, match=rf"^at t = 0\.01\d* s: particle {particle} of body 'water' .* m runs away at"):
         fluids.advance(0.02)
     assert fluids.state.steps.numpy()[0] == steps + 1
 

@@ -72,7 +72,8 @@ def test_a_leak_is_a_failed_run_that_says_how_much_was_lost(tmp_path: Path) -> N
         run_scene(scene, tmp_path, quiet=True)
     summary = read_summary(tmp_path / "run.json")
     assert summary.status == "failed"
-    assert summary.reason.endswith("fluid particles have left the domain: there is a leak")
+    assert "fluid particles have left the domain, as particle 0 of body 'water'" in summary.reason
+    assert summary.reason.endswith("there is a leak")
     assert summary.fluid["lost"] == int(summary.reason.split(" of ")[0].split()[-1])
 
 

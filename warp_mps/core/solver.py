@@ -11,6 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, NamedTuple, Protocol
 
+import numpy as np
 import warp as wp
 
 from warp_mps.core import solver_kernels as names
@@ -140,6 +141,7 @@ class ConjugateGradient:
 
     Attributes:
         statistics: What `read_statistics` reads, float64; zero it to start counting anew.
+        tolerance: As given.
     """
 
     def __init__(
@@ -155,7 +157,7 @@ class ConjugateGradient:
     ) -> None:
         self._n, self._device = capacity, device
         self._kernels = solver_kernels(kit)
-        self._tolerance, self._floor, self._max_iterations = tolerance, floor, max_iterations
+        self.tolerance, self._floor, self._max_iterations = tolerance, floor, max_iterations
         self._preconditioner = preconditioner or Jacobi()
         self._sums = ChunkSums(capacity, kit=kit, device=device)
         vectors = [wp.zeros(capacity, dtype=wp.float64, device=device) for _ in range(7)]
@@ -182,7 +184,7 @@ class ConjugateGradient:
         self._preconditioner.prepare(matrix, self._inverse)
         square = self._sums.launch(self._rhs, self._rhs, self._rhs)
         outputs = [self._running, self._control, self._scalars]
-        self._launch(kernels.begin, 1, [self._tolerance, self._floor, square], outputs)
+        self._launch(kernels.begin, 1, [self.tolerance, self._floor, square], outputs)
         wp.capture_while(self._running, self._iterate, matrix=matrix, x=x, rest=rest)
         self._centre(matrix, x)
 
@@ -200,6 +202,15 @@ class ConjugateGradient:
             last_residual=float(values[names.RESIDUAL_NOW]),
         )
 
+    def count_unsolved(self) -> int:
+        """Solves so far that ended above the tolerance; waits for the device."""
+        values = self.statistics.numpy()
+        return int(values[names.STAGNATED] + values[names.EXHAUSTED])
+
+    def worst_row(self) -> int:
+        """Row of the largest residual of the last solve, one that is no number before all others."""
+        return int(np.argmax(np.abs(self._r.numpy())))
+
     def _iterate(self, matrix: Matrix | Operator, x: wp.array, rest: Product | None) -> None:
         """One pass of the loop: an iteration or a fresh start, as `control` says."""
         kernels, n = self._kernels, self._n
@@ -213,7 +224,7 @@ class ConjugateGradient:
         self._launch(kernels.advance, n, inputs, [x, self._r, self._z])
         self._preconditioner.apply(self._r, self._z)
         products = self._sums.launch(self._r, self._z, self._r)
-        limits = [self._tolerance, self._max_iterations, MAX_RESTARTS]
+        limits = [self.tolerance, self._max_iterations, MAX_RESTARTS]
         outputs = [self._running, control, scalars, self.statistics]
         self._launch(kernels.decide, 1, [*limits, products], outputs)
         self._launch(kernels.turn, n, [inverse, scalars, self._z], [self._p])

@@ -103,7 +103,7 @@ class Solid:
         self.contacts = Contacts(scene, particles, kit=kit, device=device) if needs_contact(scene, particles) else None
         # a wall is moved whatever acts on it: it has no inertia, no weight and no energy
         self._masses = np.where(np.arange(particles.count) < self._n, particles.masses, 0.0)
-        self._damping, self._ids = scene.damping, particles.ids
+        self._damping, self._particles = scene.damping, particles
         self._gravity = kit.vec(*scene.gravity) if len(scene.gravity) else kit.vec()
         self._mass = wp.array(self._masses, dtype=kit.real, device=device)
         inverse_mass = ~self.outside.held / particles.masses[:, None]
@@ -230,8 +230,8 @@ class Solid:
         if not self.contacts or (particle := self.contacts.overflowed()) is None:
             return None
         return (
-            f"particle {self._ids[particle]} meets more particles of other bodies than a contact can hold: the bodies "
-            "are crushed into each other; stiffen the contact"
+            f"{self._particles.describe(particle)} meets more particles of other bodies than a contact can hold: the "
+            "bodies are crushed into each other; stiffen the contact"
         )
 
     def reactions(self) -> np.ndarray:

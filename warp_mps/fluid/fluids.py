@@ -14,13 +14,13 @@ from warp_mps.core.replay import Replay
 from warp_mps.core.solver import ConjugateGradient, Matrix
 from warp_mps.core.solver import declare_kernels as declare_solver
 from warp_mps.errors import RunError
+from warp_mps.fluid.failures import FluidFailures
 from warp_mps.fluid.gradient import gradient_kernels
 from warp_mps.fluid.limits import domain, step_limit
 from warp_mps.fluid.lists import METHOD, NeighbourLists, list_kernels
 from warp_mps.fluid.motion import motion_kernels
 from warp_mps.fluid.operators import operators
 from warp_mps.fluid.pressure import CONSERVATIVE, CORRECTED, KOSHIZUKA_OKA, pressure_kernels
-from warp_mps.fluid.readings import LARGEST_SPEED, FluidReadings
 from warp_mps.fluid.state import FluidState, initial_state
 from warp_mps.fluid.viscous import ImplicitViscosity, viscous_kernels
 from warp_mps.particles import Particles
@@ -42,7 +42,7 @@ def declare_kernels(kit: Kit) -> list[str]:
     return [kit.module(METHOD), *declare_solver(kit), *declare_multilevel(kit), declare_rigid(kit)]
 
 
-class Fluids(FluidReadings):
+class Fluids(FluidFailures):
     """The fluids of a scene and the walls that hold them.
 
     A step is the same Python whether it is run eagerly or captured: it reads nothing back and allocates nothing. Its
@@ -154,7 +154,8 @@ class Fluids(FluidReadings):
         """Advance to a time [s], and return the number of steps that it took.
 
         Raises:
-            RunError: A particle is so fast that the time would take more steps than can be waited for.
+            RunError: A particle is so fast that the time would take more steps than can be waited for, or an equation
+                was not solved for too many steps in a row.
         """
         before = float(self.state.time.numpy()[0])
         self.aim(time)
@@ -164,10 +165,10 @@ class Fluids(FluidReadings):
         while True:
             self._take_step()
             left = int(self._left.numpy()[0])
+            if (failure := self.failure(left)) is not None:
+                raise RunError(f"at t = {self.time:.6g} s: {failure}")
             if left <= 1:
                 break
-            if left > LARGEST_SPEED * max(self._interval / self._longest, 1.0) and (trouble := self.runaway()):
-                raise RunError(f"at t = {self.state.time.numpy()[0]:.6g} s: {trouble}")
         steps = int(self.state.steps.numpy()[0])
         self.state.forces.assign(self.state.impulse.numpy() / self._interval)
         if steps // SORT_EVERY > first // SORT_EVERY:

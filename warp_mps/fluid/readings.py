@@ -11,13 +11,9 @@ from warp_mps.energy import Energy
 from warp_mps.fluid.lists import NeighbourLists
 from warp_mps.fluid.operators import Operators
 from warp_mps.fluid.state import FluidState
+from warp_mps.fluid.viscous import ImplicitViscosity
 from warp_mps.particles import Particles
 from warp_mps.rigid.poses import Poses
-
-# share of the fluid that may leave the domain
-LARGEST_LOSS = 0.01
-# times the speed that the longest step is for, and the walls': what is faster has run away, and steps collapse with it
-LARGEST_SPEED = 1000.0
 
 
 class FluidReadings:
@@ -37,6 +33,7 @@ class FluidReadings:
     _gravity_host: np.ndarray
     _kernels: tuple[Any, Any, Any]
     _solver: ConjugateGradient
+    _implicit: ImplicitViscosity | None
     _poses: Poses | None
     _velocities_before: np.ndarray
     _interval: float
@@ -112,30 +109,10 @@ class FluidReadings:
         """None, for nothing is supported [N], shape [n, d]."""
         return np.zeros((self._particles.count, self._d))
 
-    def trouble(self) -> str | None:
-        """Why the run cannot go on, if it cannot."""
-        if (particle := self.lists.overflowed()) is not None:
-            at = ", ".join(f"{c:.4g}" for c in self.state.x.numpy()[particle])
-            return f"more particles crowd about ({at}) m than a neighbour list holds: the flow has collapsed there"
-        if self.lost() > LARGEST_LOSS * self._m:
-            return f"{self.lost()} of {self._m} fluid particles have left the domain: there is a leak"
-        return None
-
     @property
     def time(self) -> float:
         """Time that the fluids have come to [s]."""
         return float(self.state.time.numpy()[0])
-
-    def runaway(self) -> str | None:
-        """Which particle makes the steps collapse, if one does."""
-        speeds, w = np.linalg.norm(self.state.u.numpy().astype(float), axis=1), self._walls
-        k = int(np.argmax(speeds[w:]))
-        usual = max(self._courant * self._spacing / self._longest, speeds[:w].max(initial=0.0))
-        if speeds[w + k] <= LARGEST_SPEED * usual:
-            return None
-        at = ", ".join(f"{c:.4g}" for c in self.state.x.numpy()[w + k])
-        which = f"fluid particle {self.state.order.numpy()[k]} at ({at}) m"
-        return f"{which} runs away at {speeds[w + k]:.4g} m/s: the flow has collapsed there, and time steps with it"
 
     def lost(self) -> int:
         """Number of particles that have left the domain."""
@@ -152,6 +129,12 @@ class FluidReadings:
         potential = -mass * float(np.sum(fallen) + self.state.fallen.numpy().sum())
         return Energy(kinetic=kinetic, elastic=0.0, contact=0.0, potential=potential, work=work, dissipated=0.0)
 
+    @property
+    def solvers(self) -> dict[str, ConjugateGradient]:
+        """The solvers of a step, by what they find."""
+        viscous = {"velocities": self._implicit.solver} if self._implicit else {}
+        return {"pressures": self._solver, **viscous}
+
     def statistics(self) -> Statistics:
         """What the pressure solve has done so far."""
         return self._solver.read_statistics()
@@ -165,9 +148,12 @@ class FluidReadings:
                 "pressure_iterations": done.iterations / max(done.solves, 1),
                 "most_pressure_iterations": done.most_iterations,
                 "worst_pressure_residual": done.worst_residual,
-                "unsolved": done.stagnated + done.exhausted,
+                "unsolved": self._unsolved_solves(),
             }
         }
+
+    def _unsolved_solves(self) -> int:
+        return sum(solver.count_unsolved() for solver in self.solvers.values())
 
     def _turns(self, derivative: int) -> np.ndarray:
         turns = np.zeros_like(self._particles.angular_velocities)

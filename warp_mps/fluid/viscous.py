@@ -107,6 +107,7 @@ class ImplicitViscosity:
 
     Attributes:
         u: They, of all particles, vec [n].
+        solver: What solves for each component.
 
     Args:
         n: Number of particles.
@@ -122,7 +123,7 @@ class ImplicitViscosity:
         m = n - walls
         self._rhs = wp.zeros((kit.dimension, m), dtype=wp.float64, device=device)
         self._solution = wp.zeros((kit.dimension, m), dtype=wp.float64, device=device)
-        self._solver = ConjugateGradient(m, kit=kit, device=device, tolerance=TOLERANCE, max_iterations=MAX_ITERATIONS)
+        self.solver = ConjugateGradient(m, kit=kit, device=device, tolerance=TOLERANCE, max_iterations=MAX_ITERATIONS)
         self.u = wp.zeros(n, dtype=kit.vec, device=device)
 
     def solve(self, constants: list[Any], state: list[wp.array], u: wp.array) -> None:
@@ -132,5 +133,5 @@ class ImplicitViscosity:
         outputs += [self._rhs, self._solution]
         wp.launch(self._kernels.rows, self._n - self._walls, [*constants, *state], outputs, device=self._device)
         for axis in range(self._rhs.shape[0]):
-            self._solver.solve(matrix, self._rhs[axis], self._solution[axis])
+            self.solver.solve(matrix, self._rhs[axis], self._solution[axis])
         wp.launch(self._kernels.join, self._n, [self._walls, u, self._solution], [self.u], device=self._device)

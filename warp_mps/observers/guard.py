@@ -53,8 +53,8 @@ class Guard:
         for name, values in (("position", view.positions), ("velocity", view.velocities)):
             bad = np.flatnonzero(~np.isfinite(values).all(axis=1))
             if len(bad):
-                place = _describe(view, int(bad[0]))
-                raise RunError(f"the {name} of {place} is not finite at {self._when(view)}; {self._cause()}")
+                place = view.particles.describe(int(bad[0]))
+                raise RunError(f"the {name} of {place} is not finite at {self._when(view)}; {self._cause(view)}")
 
     def _check_energy(self, view: View) -> None:
         energy = view.energy
@@ -71,13 +71,15 @@ class Guard:
             raise RunError(
                 f"the energy has grown by {growth:.3g} {unit} out of nowhere (largest kinetic, elastic and contact "
                 f"energy or work: {self._largest:.3g} {unit}) at {self._when(view)}; the fastest particle is "
-                f"{_describe(view, fastest)} at {speed:.3g} m/s; {self._cause()}"
+                f"{view.particles.describe(fastest)} at {speed:.3g} m/s; {self._cause(view)}"
             )
 
     def _when(self, view: View) -> str:
         return f"{view.time:.6g} s (step {view.step})"
 
-    def _cause(self) -> str:
+    def _cause(self, view: View) -> str:
+        if view.particles.liquid:
+            return "the flow has become unstable; a smaller Courant number or tolerance may help"
         return f"the time step of {self._time_step:.3g} s is probably too large"
 
 
@@ -89,10 +91,3 @@ def _slack(view: View) -> float:
     fluid = slice(particles.count - particles.liquid, None)
     gravity = float(np.linalg.norm(view.scene.gravity)) if len(view.scene.gravity) else 0.0
     return gravity * float(np.sum(particles.masses[fluid] * particles.spacings[fluid])) / ALLOWED_GROWTH
-
-
-def _describe(view: View, index: int) -> str:
-    particles = view.particles
-    place = ", ".join(f"{value:.6g}" for value in particles.positions[index])
-    body = particles.names[int(particles.bodies[index])]
-    return f"particle {int(particles.ids[index])} of body '{body}' (from ({place}) m)"

@@ -151,6 +151,10 @@ class Newton:
             jumps = jumps and not whole
         return self._count(iterations, now.residual / (max(now.scale, first) or 1.0), found=False)
 
+    def worst_particle(self) -> int:
+        """Where the search ended furthest from equilibrium, or first with a number that is none."""
+        return int(np.argmax(np.abs(self._residual.numpy()).reshape(self._n, -1).max(axis=1)))
+
     def _count(self, iterations: int, residual: float, *, found: bool) -> bool:
         done = self.statistics
         done.solves += 1

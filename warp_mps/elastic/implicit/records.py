@@ -15,5 +15,5 @@ def solver_record(newton: Newton) -> dict[str, float]:
         "worst_residual": done.worst_residual,
         "linear_iterations": linear.iterations,
         "most_linear_iterations": linear.most_iterations,
-        "unsolved": linear.stagnated + linear.exhausted,
+        "unsolved": newton.solver.count_unsolved(),
     }

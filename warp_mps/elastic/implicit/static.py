@@ -70,9 +70,10 @@ class StaticSolid(Solid):
                 continue
             increment *= 0.5
             if increment < smallest:
+                worst = self._particles.describe(self.newton.worst_particle())
                 raise RunError(
                     f"no equilibrium was found beyond a load factor of {self._reached:.6g}: a body is held too little "
-                    "to stay where it is, it buckles, or more load steps are needed"
+                    f"to stay where it is, it buckles, or more load steps are needed; {worst} was furthest from it"
                 )
 
     def energy(self) -> Energy:

@@ -111,9 +111,10 @@ class ImplicitSolid(Solid):
             wp.copy(state.u, self._u_before)
             wp.copy(self._load, self._load_before)
             self._complete()
+            worst = self._particles.describe(self.newton.worst_particle())
             raise RunError(
                 f"the step from {self._time:.6g} to {time:.6g} s was not solved: shorten the time step, or the bodies "
-                "are crushed"
+                f"are crushed; {worst} was furthest from a solution"
             )
         self._run("end", self._finish)
         self._time = time
