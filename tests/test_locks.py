@@ -15,7 +15,7 @@ import pytest
 from tests.usd.stages import write
 from warp_mps.app.cli import main
 from warp_mps.errors import InputError
-from warp_mps.locks import NAME, lock_folder
+from warp_mps.locks import NAME, is_locked, lock_folder
 
 fcntl = pytest.importorskip("fcntl")
 
@@ -113,3 +113,15 @@ def test_folders_that_were_made_for_nothing_are_removed(tmp_path: Path) -> None:
         (tmp_path / "kept" / "file").touch()
     assert sorted(path.name for path in tmp_path.iterdir()) == ["kept", "old"]
     assert [path.name for path in (tmp_path / "kept").iterdir()] == ["file"]
+
+
+def test_who_looks_sees_whether_a_run_is_at_work(holder: subprocess.Popen, tmp_path: Path) -> None:
+    assert is_locked(tmp_path) is False
+    assert is_locked(tmp_path / "out") is True
+    holder.kill()
+    holder.wait()
+    # the file of the lock is still there, its owner is not
+    assert (tmp_path / "out" / NAME).exists()
+    assert is_locked(tmp_path / "out") is False
+    with lock_folder(tmp_path / "out"):
+        assert is_locked(tmp_path / "out") is True

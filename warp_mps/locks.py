@@ -41,6 +41,29 @@ def lock_folder(folder: Path) -> Iterator[None]:
                 part.rmdir()
 
 
+def is_locked(folder: Path) -> bool | None:
+    """Whether a run is at work in a folder; None where the system has no locks that could tell."""
+    try:
+        import fcntl
+    except ImportError:  # Windows
+        return None
+    try:
+        handle = os.open(folder / NAME, os.O_RDONLY)
+    except FileNotFoundError:
+        return False
+    except OSError:
+        return None
+    try:
+        fcntl.flock(handle, fcntl.LOCK_SH | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return True
+    except OSError:  # a file system without locks
+        return None
+    finally:
+        os.close(handle)
+    return False
+
+
 def _make(folder: Path) -> list[Path]:
     """Make a folder; the folders that were not there, the innermost first."""
     missing = []

@@ -34,6 +34,7 @@ class RunSummary:
         versions: Versions of the program and of what it stands on, by name.
         dimension: 2 or 3.
         particles: Number of particles of each body.
+        settings: The case's settings; see :func:`warp_mps.settings.scene_settings`.
         steps: Steps done.
         time: Simulated time [s].
         wall_seconds: Wall time of the steps since the start, or since the last time the run was resumed [s].
@@ -59,6 +60,7 @@ class RunSummary:
     versions: dict[str, str] = field(default_factory=dict)
     dimension: int = 2
     particles: dict[str, int] = field(default_factory=dict)
+    settings: dict[str, Any] = field(default_factory=dict)
     steps: int = 0
     time: float = 0.0
     wall_seconds: float = 0.0

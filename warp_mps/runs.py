@@ -30,6 +30,7 @@ from warp_mps.observers.probes import ProbeRecorder
 from warp_mps.observers.progress import Progress
 from warp_mps.results import RunSummary, energy_record, measurement_rows
 from warp_mps.scene import Scene
+from warp_mps.settings import scene_settings
 from warp_mps.simulation import Simulation
 
 ANIMATION, PROBES, SUMMARY = "run.usdc", "probes.csv", "run.json"
@@ -152,6 +153,7 @@ class _Run:
             versions=versions(),
             dimension=scene.dimension,
             particles={name: int(count) for name, count in zip(particles.names, counts, strict=True)},
+            settings=scene_settings(scene),
         )
 
     def execute(self) -> RunSummary:

@@ -10,7 +10,7 @@ from PIL import Image
 
 from tests.app.results import SPACE, write_result
 from warp_mps.app.cli import main
-from warp_mps.app.colours import WALL, _range, choose
+from warp_mps.app.colours import WALL, choose, usual_range
 from warp_mps.app.picture import Look, Painter, find_frame
 from warp_mps.app.result import Animation
 from warp_mps.app.video import pace
@@ -123,13 +123,13 @@ def test_everything_is_in_the_picture(space: Path, view: tuple[float, float, flo
 
 
 def test_limits_of_colours() -> None:
-    assert _range(np.linspace(0.0, 97.0, 1000)) == (0.0, 100.0)
-    assert _range(np.linspace(-40.0, 97.0, 1000)) == (-100.0, 100.0)
-    assert _range(np.linspace(-970.0, -3.0, 1000)) == (-1000.0, 0.0)
-    assert _range(np.zeros(3)) == (0.0, 1.0)
-    assert _range(np.full(3, 7.3)) == (0.0, 8.0)
+    assert usual_range(np.linspace(0.0, 97.0, 1000)) == (0.0, 100.0)
+    assert usual_range(np.linspace(-40.0, 97.0, 1000)) == (-100.0, 100.0)
+    assert usual_range(np.linspace(-970.0, -3.0, 1000)) == (-1000.0, 0.0)
+    assert usual_range(np.zeros(3)) == (0.0, 1.0)
+    assert usual_range(np.full(3, 7.3)) == (0.0, 8.0)
     # single values do not stretch them
-    assert _range(np.concatenate([np.linspace(0.0, 97.0, 10_000), [1e9]])) == (0.0, 100.0)
+    assert usual_range(np.concatenate([np.linspace(0.0, 97.0, 10_000), [1e9]])) == (0.0, 100.0)
 
 
 def test_labels_have_units(plane: Path) -> None:

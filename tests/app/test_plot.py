@@ -9,7 +9,8 @@ import pytest
 from matplotlib.figure import Figure
 
 from warp_mps.app.cli import main
-from warp_mps.app.plot import _draw, panels
+from warp_mps.app.panels import panels
+from warp_mps.app.plot import _draw
 from warp_mps.history import TIME_LABEL, History, energy_labels, write_history
 from warp_mps.results import RunSummary
 

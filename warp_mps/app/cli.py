@@ -136,6 +136,7 @@ COMMANDS: dict[str, Callable[..., int]] = {
     "plot": looking.plot,
     "picture": looking.picture,
     "video": looking.video,
+    "report": looking.report,
 }
 
 

@@ -96,7 +96,7 @@ def choose(animation: Animation, name: str | None = None, limits: tuple[float, f
     found = [values(animation, cloud, frame, name) for frame in animation.some_frames() for cloud in clouds]
     everything = np.concatenate([*found, np.zeros(0)])
     everything = everything[np.isfinite(everything)] if np.isfinite(everything).any() else np.zeros(1)
-    low, high = limits or _range(everything)
+    low, high = limits or usual_range(everything)
     return Colouring(name, low, high, bool(everything.min() < low), bool(everything.max() > high))
 
 
@@ -113,7 +113,7 @@ def values(animation: Animation, cloud: int, frame: int, name: str) -> np.ndarra
     return animation.scalar(cloud, frame, name)
 
 
-def _range(found: np.ndarray) -> tuple[float, float]:
+def usual_range(found: np.ndarray) -> tuple[float, float]:
     """Round numbers around nearly all values: from zero on, or as far below it as above if there are both signs."""
     low, high = (float(value) for value in np.percentile(found, [BEYOND, 100.0 - BEYOND]))
     size = max(abs(low), abs(high))

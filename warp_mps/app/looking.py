@@ -114,3 +114,21 @@ def video(
     from warp_mps.app.video import make_video
 
     return make_video(folder, out, seconds=seconds, look=Look(colour, limits, size, view), overwrite=overwrite)
+
+
+def report(
+    folder: Positional[Folder],
+    *,
+    out: Annotated[Path | None, arg(metavar="FILE", help="File to write, .html; default: DIR/report.html.")] = None,
+    overwrite: Overwrite = False,
+    watch: Annotated[bool, arg(help="Write the page anew until the run ends; an open page loads itself anew.")] = False,
+    interval: Annotated[float, arg(metavar="S", help="Seconds between two pages of --watch.")] = 5.0,
+) -> int:
+    """Write a run as one HTML page that opens from the disk: DIR/report.html.
+
+    It plays the animation, and has the measurements beside their references, the probes and energies as diagrams,
+    and the settings. Everything is in SI units. Of large animations some frames are left out, which the page says.
+    """
+    from warp_mps.app.report.watch import report_run
+
+    return report_run(folder, out, overwrite=overwrite, interval=interval if watch else None)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,8 +11,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from warp_mps.app.figures import COLORS, INK, require_format, save, style
+from warp_mps.app.panels import Panel, Reference, panels, references
 from warp_mps.app.result import refuse_existing
-from warp_mps.energy import ENERGY_NAMES
 from warp_mps.errors import InputError
 from warp_mps.history import History, read_history
 from warp_mps.results import RunSummary, read_summary
@@ -22,28 +21,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 FORMATS = ("png", "svg", "pdf")
-# measures that are values of the probe itself, at all times of their window or at one
-LEVELS = ("mean", "minimum", "maximum", "midrange", "offset", "final")
-# components share a diagram unless they lie this many times their own range apart
-APART = 4.0
-
-
-@dataclass(frozen=True)
-class Line:
-    """A column of probes.csv: its label, what to call it in a legend, and its values, shape [m]."""
-
-    column: str
-    name: str
-    values: np.ndarray
-
-
-@dataclass(frozen=True)
-class Panel:
-    """A diagram: its title, its unit, and its lines."""
-
-    title: str
-    unit: str
-    lines: tuple[Line, ...]
 
 
 def plot_history(folder: Path, out: Path | None = None, *, overwrite: bool = False) -> int:
@@ -69,40 +46,6 @@ def plot_history(folder: Path, out: Path | None = None, *, overwrite: bool = Fal
         save(_draw(history, summary), path)
     print(path)
     return 0
-
-
-def panels(history: History) -> list[Panel]:
-    """The diagrams of a history: the components of a probe together where that shows them, the energies last."""
-    values = np.array(history.rows).T
-    groups: dict[tuple[str, str], list[Line]] = {}
-    for label, column in zip(history.labels[1:], values[1:], strict=True):
-        name, _, unit = label.rstrip("]").partition(" [")
-        probe, _, component = name.partition(".")
-        if name in ENERGY_NAMES.values():
-            probe, component = "energies", name
-        groups.setdefault((probe, unit), []).append(Line(label, component, column))
-    found = [panel for (probe, unit), lines in groups.items() for panel in _panels_of(probe, unit, lines)]
-    return [panel for panel in found if panel.lines]
-
-
-def _panels_of(probe: str, unit: str, lines: list[Line]) -> list[Panel]:
-    if probe == "energies":
-        return [Panel(probe, unit, tuple(_energies(lines)))]
-    together = np.ptp([line.values for line in lines])
-    if len(lines) > 1 and together > APART * max(np.ptp(line.values) for line in lines):
-        return [Panel(f"{probe}.{line.name}", unit, (replace(line, name=""),)) for line in lines]
-    return [Panel(probe, unit, tuple(lines))]
-
-
-def _energies(lines: Sequence[Line]) -> list[Line]:
-    """The energies that are not nothing all the time, the potential energy from its beginning, and their balance."""
-    by_name = {line.name: line.values for line in lines}
-    potential, work = ENERGY_NAMES["potential"], ENERGY_NAMES["work"]
-    if potential in by_name:
-        by_name[potential] = by_name[potential] - by_name[potential][0]
-    balance = sum(-values if name == work else values for name, values in by_name.items())
-    kept = [Line("", name.removesuffix(" energy"), values) for name, values in by_name.items() if np.any(values)]
-    return [*kept, Line("", "balance", np.asarray(balance))] if kept else []
 
 
 def _draw(history: History, summary: RunSummary) -> Figure:
@@ -131,7 +74,7 @@ def _fill(axes: Axes, times: np.ndarray, panel: Panel, measurements: Sequence[di
             axes.plot(times, line.values, color=INK, linestyle=":", label="balance")
             continue
         axes.plot(times, line.values, color=color, label=line.name or "_", solid_joinstyle="round")
-        _refer(axes, times, [row for row in measurements if row.get("column") == line.column], color)
+        _refer(axes, references(line, times, measurements), color)
     _widen(axes, np.concatenate([line.values for line in panel.lines]))
     axes.margins(x=0.0)
     if axes.get_legend_handles_labels()[0]:
@@ -142,9 +85,8 @@ def _fill(axes: Axes, times: np.ndarray, panel: Panel, measurements: Sequence[di
             text.set_parse_math(False)
 
 
-def _refer(axes: Axes, times: np.ndarray, rows: Sequence[dict[str, Any]], color: str) -> None:
-    """Draw references that are values of the probe: dashed where they hold for a window of time, else as points."""
-    rows = [row for row in rows if row.get("reference") is not None]
+def _refer(axes: Axes, found: Sequence[Reference], color: str) -> None:
+    """Draw references: dashed where they hold for a window of time, else as points."""
     marks: dict[str, Any] = {
         "marker": "o",
         "markersize": 5.5,
@@ -152,16 +94,13 @@ def _refer(axes: Axes, times: np.ndarray, rows: Sequence[dict[str, Any]], color:
         "markeredgecolor": INK,
         "linestyle": "none",
     }
-    points = [(row["at"], row["reference"]) for row in rows if row["measure"] == "value_at"]
-    points += [(row["reference"], row["at"]) for row in rows if row["measure"] == "time_at"]
+    points = [(reference.times[0], reference.value) for reference in found if len(reference.times) == 1]
     if points:
         axes.plot(*np.array(points, dtype=float).T, label="reference", zorder=5, clip_on=False, **marks)
-    for row in rows:
-        if row["measure"] in LEVELS:
-            start, end = row["window"]
-            ends = [max(start, times[0]), times[-1] if end is None else min(end, times[-1])]
-            label = f"reference: {row['name']}"
-            axes.plot(ends, [row["reference"]] * 2, color=color, linestyle="--", linewidth=1.0, label=label)
+    for reference in found:
+        if len(reference.times) == 2:
+            label = f"reference: {reference.name}"
+            axes.plot(reference.times, [reference.value] * 2, color=color, linestyle="--", linewidth=1.0, label=label)
 
 
 def _widen(axes: Axes, values: np.ndarray) -> None:

@@ -60,7 +60,7 @@ def show_check(scene: Scene) -> int:
     available = available_memory()
     note = "" if cost.memory <= available else "  TOO MUCH: will be refused"
     table.add_row("memory", f"{_bytes(cost.memory)} of {_bytes(available)} available{note}")
-    table.add_row("expected time on one CPU core", _duration(cost.seconds))
+    table.add_row("expected time on one CPU core", duration(cost.seconds))
     console().print(table)
     for line in remarks(scene):
         console().print(line, highlight=False, soft_wrap=True)
@@ -93,7 +93,7 @@ def show_summary(summary: RunSummary, folder: Path) -> None:
     out = console()
     speed = sum(value or 0.0 for value in summary.particle_steps_per_second.values())
     out.print(
-        f"{summary.case}: {summary.steps} steps, {summary.time:.6g} s simulated in {_duration(summary.wall_seconds)} "
+        f"{summary.case}: {summary.steps} steps, {summary.time:.6g} s simulated in {duration(summary.wall_seconds)} "
         f"({speed / 1e6:.3g} million particle-steps a second), {_account(summary)}",
         highlight=False,
         soft_wrap=True,
@@ -115,7 +115,7 @@ def _kind(scene: Scene) -> str:
 def _account(summary: RunSummary) -> str:
     """What tells of the accuracy of a run: its energy, or with fluids, which lose some, the pressure solves."""
     if not summary.fluid:
-        return f"energy drift {_percent(summary.energy.get('drift'))}"
+        return f"energy drift {percent(summary.energy.get('drift'))}"
     lost, unsolved = (int(summary.fluid.get(name, 0)) for name in ("lost", "unsolved"))
     text = f"{summary.fluid.get('pressure_iterations', 0.0):.3g} iterations a pressure solve"
     text += f", {unsolved} UNSOLVED" if unsolved else ""
@@ -141,7 +141,7 @@ def show_measurements(rows: Sequence[tuple[str, dict[str, Any]]]) -> None:
         if not beside and row["source"]:
             reference += f" ({sources.index(row['source']) + 1})"
         measured = row.get("reason", "none") if row["value"] is None else f"{row['value']:.5g} {row['unit']}"
-        cells = [measured, reference, _percent(row["error"]), *([row["source"]] * beside)]
+        cells = [measured, reference, percent(row["error"]), *([row["source"]] * beside)]
         table.add_row("" if case == last else case, row["name"], *cells)
         last = case
     out.print(table, highlight=False, markup=False)
@@ -164,7 +164,8 @@ def _table(*columns: str) -> Table:
     return table
 
 
-def _percent(value: float | None) -> str:
+def percent(value: float | None) -> str:
+    """A relative error as text; nothing where there is none."""
     if value is None:
         return ""
     if abs(value) < ROUNDING:
@@ -176,7 +177,8 @@ def _bytes(value: float) -> str:
     return f"{value / 2**30:.3g} GiB" if value >= 2**30 else f"{value / 2**20:.3g} MiB"
 
 
-def _duration(seconds: float) -> str:
+def duration(seconds: float) -> str:
+    """A time as text, in the unit that suits it."""
     if seconds < 120.0:
         return f"{seconds:.2g} s"
     return f"{seconds / 60.0:.0f} min" if seconds < 7200.0 else f"{seconds / 3600.0:.1f} h"

@@ -1,0 +1,102 @@
+"""What there is of a run, finished or not: whatever is missing or damaged is said, and the rest is shown."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+from warp_mps.app.result import ANIMATION, Animation
+from warp_mps.errors import InputError
+from warp_mps.history import History, read_history
+from warp_mps.locks import is_locked
+from warp_mps.results import RunSummary, energy_record, read_summary
+
+PROBES, SUMMARY = "probes.csv", "run.json"
+# an animation that is being written is tried again: its file may have been replaced while it was opened
+ATTEMPTS, PAUSE = 3, 0.3
+
+
+@dataclass(frozen=True)
+class Run:
+    """What a folder holds of a run.
+
+    Attributes:
+        folder: The folder.
+        state: ``done``, ``running``, ``failed``, or ``stopped``: it ended without a word.
+        summary: Its summary; while it runs, brought up to date from the history.
+        history: Its history, None if there is none with a row.
+        animation: Its animation, None if there is none with a frame.
+        remarks: What is missing, and why.
+    """
+
+    folder: Path
+    state: str
+    summary: RunSummary
+    history: History | None
+    animation: Animation | None
+    remarks: tuple[str, ...]
+
+
+def gather(folder: Path) -> Run:
+    """Read what a folder holds.
+
+    Raises:
+        InputError: There is no such folder, or nothing of a run in it.
+    """
+    if not folder.is_dir():
+        raise InputError(str(folder), "", "is no folder; give the folder that `warp-mps run` left, such as runs/CASE")
+    if not any((folder / name).is_file() for name in (ANIMATION, PROBES, SUMMARY)):
+        raise InputError(str(folder), "", f"holds no run: there is no {SUMMARY}, {PROBES} or {ANIMATION} in it")
+    remarks: list[str] = []
+    summary = _read_summary(folder, remarks)
+    history = _read_history(folder, remarks)
+    animation = _read_animation(folder, remarks)
+    if summary is None:
+        named = animation.provenance.get("case") if animation else None
+        summary = RunSummary(case=str(named or folder.resolve().name), status="running")
+    state = summary.status
+    if state == "running" and is_locked(folder) is False:
+        state = "stopped"
+    if state in ("running", "stopped") and history is not None:
+        summary.time, summary.energy = history.last_time, energy_record(history)
+    return Run(folder, state, summary, history, animation, tuple(remarks))
+
+
+def _read_summary(folder: Path, remarks: list[str]) -> RunSummary | None:
+    try:
+        return read_summary(folder / SUMMARY)
+    except InputError as error:
+        remarks.append(f"There is no summary of the run: {error.reason}.")
+        return None
+
+
+def _read_history(folder: Path, remarks: list[str]) -> History | None:
+    try:
+        history = read_history(folder / PROBES)
+    except InputError as error:
+        remarks.append(f"There are no diagrams: {PROBES} {error.reason}.")
+        return None
+    if history.rows:
+        return history
+    remarks.append(f"There are no diagrams: {PROBES} has no rows yet.")
+    return None
+
+
+def _read_animation(folder: Path, remarks: list[str]) -> Animation | None:
+    if not (folder / ANIMATION).is_file():
+        remarks.append("There is no animation: the run has saved no frame.")
+        return None
+    for attempt in range(ATTEMPTS):
+        try:
+            animation = Animation(folder)
+            if any(len(cloud.ids) for cloud in animation.clouds):
+                return animation
+            reason = "has no particles"
+            break
+        except InputError as error:
+            reason = error.reason
+        if attempt + 1 < ATTEMPTS:
+            time.sleep(PAUSE)
+    remarks.append(f"There is no animation: {ANIMATION} {reason}.")
+    return None

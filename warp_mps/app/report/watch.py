@@ -1,0 +1,39 @@
+"""Writing the page of a run, once or for as long as the run goes on."""
+
+from __future__ import annotations
+
+import math
+import time
+from pathlib import Path
+
+from warp_mps.app.figures import require_format
+from warp_mps.app.report.page import write_report
+from warp_mps.app.result import refuse_existing
+from warp_mps.errors import InputError
+
+
+def report_run(folder: Path, out: Path | None = None, *, overwrite: bool = False, interval: float | None = None) -> int:
+    """Write the page of a run, and anew until the run ends if asked to.
+
+    Args:
+        folder: Folder of the run.
+        out: File to write, ending in ``.html``; None is report.html in the folder.
+        overwrite: Whether to replace it.
+        interval: Seconds between two pages; None writes one.
+
+    Raises:
+        InputError: There is no run in the folder, the file cannot be written, or the interval is none.
+    """
+    path = out or folder / "report.html"
+    require_format(path, ("html",))
+    if interval is not None and not (math.isfinite(interval) and interval >= 1.0):
+        raise InputError("--interval", "", f"is {interval:g}, must be 1 or more seconds")
+    refuse_existing(path, overwrite)
+    run = write_report(folder, path, reload=interval)
+    print(path, flush=True)
+    while interval is not None and run.state == "running":
+        time.sleep(interval)
+        run = write_report(folder, path, reload=interval)
+    for remark in run.remarks:
+        print(f"  {remark}")
+    return 0
