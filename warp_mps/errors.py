@@ -20,7 +20,8 @@ class InputError(ValueError):
         self.attribute = attribute
         self.reason = reason
         where, attribute, reason = (_line(part) for part in (where, attribute, reason))
-        super().__init__(" ".join(part for part in (where, attribute) if part) + ": " + reason)
+        subject = " ".join(part for part in (where, attribute) if part)
+        super().__init__(f"{subject}: {reason}" if subject else reason)
 
 
 def _line(text: str) -> str:

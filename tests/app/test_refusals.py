@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
@@ -104,3 +105,25 @@ def test_options_that_mean_nothing(
     line = refusal(capsys, "run", str(write(tmp_path)), "--out", str(out), "--quiet", *options)
     assert expected in line
     assert not out.exists()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "expected"),
+    [
+        (("nothing",), "Unrecognized options: nothing"),
+        ((), "Expected one of {list, check, run"),
+        (("check",), "Missing from warp-mps check: CASE"),
+        (("check", "beam_first_mode", "--duration", "a"), "--duration"),
+        (("run", "beam_first_mode", "--precison", "float32"), "did you mean --precision?"),
+        (("run", "beam_first_mode", "--threads"), "Missing value for argument '--threads'"),
+        (("convert", "DIR", "--to", "nonsense"), "'nonsense' for argument '--to'. Expected one of ('pvd'"),
+    ],
+)
+def test_command_lines_that_cannot_be_understood(
+    capsys: pytest.CaptureFixture[str], arguments: tuple[str, ...], expected: str
+) -> None:
+    line = refusal(capsys, *arguments)
+    assert re.match("warp-mps: [A-Za-z]", line)
+    assert expected in line
+    assert not re.search("----|\u2500|\u2502", line)
+    assert line.endswith("; see warp-mps --help\n")

@@ -23,6 +23,8 @@ from pathlib import Path
 MEMORY = 6 * 2**30
 # resident memory above which a command has failed [bytes]
 RESIDENT = 3 * 2**30
+# how much longer a run may take, which may be the first one of its kind [s]
+COMPILING = 120.0
 
 
 @dataclass(frozen=True)
@@ -48,7 +50,7 @@ class Worker:
     """Runs commands one by one, in a process that is started anew when it had to be killed.
 
     Args:
-        patience: How long a command may take [s].
+        patience: How long a command may take [s]; a run longer by `COMPILING`.
     """
 
     def __init__(self, patience: float = 10.0) -> None:
@@ -60,10 +62,12 @@ class Worker:
         process = self._process = self._process or self._start()
         assert process.stdin is not None
         assert process.stdout is not None
-        process.stdin.write(json.dumps(list(arguments)) + "\n")
-        process.stdin.flush()
+        with contextlib.suppress(BrokenPipeError):
+            process.stdin.write(json.dumps(list(arguments)) + "\n")
+            process.stdin.flush()
         begin = time.monotonic()
-        ready, _, _ = select.select([process.stdout], [], [], self._patience)
+        patience = self._patience + (COMPILING if arguments[0] == "run" else 0.0)
+        ready, _, _ = select.select([process.stdout], [], [], patience)
         answer = process.stdout.readline() if ready else ""
         if answer:
             return Ending(**json.loads(answer))
@@ -75,7 +79,8 @@ class Worker:
         """End the process."""
         if self._process is not None:
             self._process.kill()
-            self._process.communicate()
+            with contextlib.suppress(BrokenPipeError):
+                self._process.communicate()
             self._process = None
 
     def __enter__(self) -> Worker:

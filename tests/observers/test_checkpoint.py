@@ -102,10 +102,30 @@ def test_an_empty_folder_is_refused(tmp_path: Path) -> None:
         cp.load_checkpoint(tmp_path, "case")
 
 
-def test_pickled_objects_are_not_loaded(tmp_path: Path) -> None:
-    np.savez(tmp_path / cp.NAME, **{cp.METADATA: np.array([{"version": 1}], dtype=object)})
+class Harmful:
+    """What does harm where it is loaded."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+
+    def __reduce__(self) -> tuple:
+        return Path.touch, (self.path,)
+
+
+@pytest.mark.parametrize("entry", [cp.METADATA, "state.x"])
+def test_pickled_objects_are_not_loaded(tmp_path: Path, entry: str) -> None:
+    save(tmp_path, 1)
+    save(tmp_path, 2)
+    with np.load(tmp_path / cp.NAME) as file:
+        entries = dict(file)
+    np.savez(tmp_path / cp.NAME, **entries | {entry: np.array([Harmful(tmp_path / "harm")], dtype=object)})
+    said: list[str] = []
+    assert cp.load_checkpoint(tmp_path, "case", announce=said.append).step == 1
+    assert [line.partition(";")[0] for line in said] == [f"{tmp_path / cp.NAME} is damaged"]
+    (tmp_path / cp.PREVIOUS).unlink()
     with pytest.raises(InputError, match="damaged"):
         cp.load_checkpoint(tmp_path, "case")
+    assert not (tmp_path / "harm").exists()
 
 
 def test_the_writer_saves_at_its_interval_and_at_the_end(tmp_path: Path, view: FakeView) -> None:

@@ -12,11 +12,11 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-import tyro
-from tyro.conf import FlagCreatePairsOff, OmitArgPrefixes, Positional, UseAppendAction, arg
+from tyro.conf import Positional, UseAppendAction, arg
 
 from warp_mps import __version__
 from warp_mps.app import looking
+from warp_mps.app.arguments import parse
 from warp_mps.core.interrupts import single_interrupt
 from warp_mps.errors import InputError, RunError
 
@@ -151,7 +151,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         # a second Ctrl-C must not stop what the first one keeps
         with single_interrupt():
-            return int(_dispatch(arguments))
+            return parse(COMMANDS, arguments)()
     except InputError as error:
         from warp_mps.usd.attributes import stage_error
 
@@ -163,16 +163,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return _fail("there is not enough memory; a larger mps:spacing makes fewer particles", 3)
     except KeyboardInterrupt:
         return _fail("interrupted", INTERRUPTED)
-
-
-def _dispatch(arguments: list[str]) -> Any:
-    return tyro.extras.subcommand_cli_from_dict(
-        COMMANDS,
-        prog="warp-mps",
-        description="Elastic structures and water by the Moving Particle Semi-implicit method: USD in and out.",
-        args=arguments,
-        config=(OmitArgPrefixes, FlagCreatePairsOff),
-    )
 
 
 def _read(case: str, changes: Sequence[str], duration: float | None, *, allow_external: bool) -> Any:

@@ -68,6 +68,8 @@ def unique_names(prims: list[Usd.Prim]) -> dict[str, str]:
 def frame(stage: Usd.Stage, physics: Usd.Prim) -> Frame:
     """Units and axes, and in 2-D the plane: by default the one that the up axis lies in."""
     up_axis = str(UsdGeom.GetStageUpAxis(stage))
+    if up_axis not in ("Y", "Z"):
+        raise InputError("/", "upAxis", f"is {up_axis!r}, must be Y or Z")
     first = Values(physics, "scene", Frame(StageFrame(axes="xyz"), 3))
     dimension = int(first.get("mps:dimension") or TABLE["scene"]["mps:dimension"].default)
     plane = first.get("mps:plane") or ("xy" if up_axis == "Y" else "xz")

@@ -88,10 +88,8 @@ def main(path: str, *external: str) -> int:
         _read(path, allow_external=bool(external))
     except MemoryError:
         return TOO_LARGE
-    except RuntimeError as error:
-        return TOO_LARGE if "bad_alloc" in str(error) else 0
-    except (InputError, UnicodeDecodeError):
-        return 0
+    except (InputError, RuntimeError, UnicodeDecodeError) as error:
+        return TOO_LARGE if "bad_alloc" in getattr(error, "reason", str(error)) else 0
     return 0
 
 

@@ -1,0 +1,73 @@
+"""The command line taken apart; what is wrong with it is said in one line."""
+
+from __future__ import annotations
+
+import contextlib
+import functools
+import io
+import re
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import tyro
+from tyro.conf import FlagCreatePairsOff, OmitArgPrefixes
+
+from warp_mps.errors import InputError
+
+# how Tyro frames its messages, and parts their sections
+_FRAME = "\u2500\u2502\u256d\u256e\u2570\u256f"
+_HINT = "Perhaps you meant: "
+
+
+def parse(commands: Mapping[str, Callable[..., int]], arguments: Sequence[str]) -> Callable[[], int]:
+    """The command that is asked for, with its arguments.
+
+    Args:
+        commands: Functions by the name of their command.
+        arguments: The command line.
+
+    Raises:
+        InputError: There is no such command or option, or a value is none that it can have.
+        SystemExit: Help was asked for, and printed.
+    """
+    text = io.StringIO()
+    try:
+        with contextlib.redirect_stderr(text):
+            chosen: Any = tyro.extras.subcommand_cli_from_dict(
+                {name: _later(command) for name, command in commands.items()},
+                prog="warp-mps",
+                description="Elastic structures and water by the Moving Particle Semi-implicit method: USD in and out.",
+                args=arguments,
+                config=(OmitArgPrefixes, FlagCreatePairsOff),
+            )
+            return chosen
+    except SystemExit as error:
+        if not error.code:
+            raise
+        raise InputError("", "", _one_line(text.getvalue())) from None
+
+
+def _later(command: Callable[..., int]) -> Callable[..., Callable[[], int]]:
+    """A function with the arguments of a command, which gives it instead of calling it."""
+
+    @functools.wraps(command)
+    def bind(*arguments: Any, **options: Any) -> Callable[[], int]:
+        return functools.partial(command, *arguments, **options)
+
+    return bind
+
+
+def _one_line(message: str) -> str:
+    """What a framed message says first, and the option that it takes to be meant."""
+    sections = [" ".join(part.split()) for part in _sections(message)]
+    hints = [section.removeprefix(_HINT).split()[0] for section in sections if section.startswith(_HINT)]
+    says = sections[0] if sections else "the command line cannot be understood"
+    return "; ".join([says.rstrip("."), *(f"did you mean {hint}?" for hint in hints), "see warp-mps --help"])
+
+
+def _sections(message: str) -> list[str]:
+    """The texts below the title of a frame, between its lines; each up to its first empty line."""
+    lines = [line.strip(_FRAME + " ") for line in message.splitlines()]
+    # where the terminal knows no lines, dashes stand for them
+    text = "\n".join("" if line.strip("-") == "" else line for line in lines).strip()
+    return [part.strip() for part in re.split(r"\n\n+", text.partition("\n")[2]) if part.strip()]
