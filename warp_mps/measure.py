@@ -67,7 +67,8 @@ def _window(measurement: Measurement, times: np.ndarray, values: np.ndarray) -> 
     slack = 1e-9 * (abs(times[-1]) if len(times) else 0.0)
     inside = (times >= measurement.start - slack) & (times <= end + slack)
     if not inside.any():
-        raise ValueError(f"there is no sample between {measurement.start:g} s and {end:g} s")
+        until = "" if measurement.end is None else f" and before {end:g} s"
+        raise ValueError(f"there is no sample after {measurement.start:g} s{until}")
     if not np.isfinite(values[inside]).all():
         raise ValueError("the history holds numbers that are not finite")
     return times[inside], values[inside]

@@ -51,6 +51,13 @@ def test_components_share_a_diagram_where_that_shows_them() -> None:
     assert found[4].lines[2].values == pytest.approx(np.zeros(11), abs=1e-12)
 
 
+def test_references_beyond_the_history_are_not_drawn() -> None:
+    whole = history()
+    short = History(whole.labels, whole.rows[:5])
+    assert set(drawn(_draw(short, summary()), 0)) == {"x", "y", "reference"}
+    assert drawn(_draw(short, summary()), 0)["reference"].tolist() == [[0.4, 0.2]]
+
+
 def test_only_references_that_are_values_of_the_probe_are_drawn() -> None:
     lines = drawn(_draw(history(), summary()), 0)
     assert set(lines) == {"x", "y", "reference", "reference: rise"}

@@ -51,7 +51,7 @@ class Reference:
 
 
 def references(line: Line, times: np.ndarray, measurements: Sequence[dict[str, Any]]) -> list[Reference]:
-    """The references of a line that are values of it, those at one moment first.
+    """The references of a line that are values of it at times of its history, those at one moment first.
 
     Args:
         line: The line.
@@ -67,7 +67,8 @@ def references(line: Line, times: np.ndarray, measurements: Sequence[dict[str, A
             start, end = row["window"]
             ends = (max(start, times[0]), times[-1] if end is None else min(end, times[-1]))
             found.append(Reference(row["name"], ends, row["reference"]))
-    return found
+    # a run that was stopped may not have come as far
+    return [item for item in found if times[0] <= item.times[0] <= item.times[-1] <= times[-1]]
 
 
 def panels(history: History) -> list[Panel]:

@@ -96,7 +96,10 @@ def test_an_animation_alone_is_enough(tmp_path: Path) -> None:
     ("facts", "words"),
     [
         ({"status": "failed", "reason": "a particle left"}, "failed: a particle left"),
-        ({"status": "failed", "reason": "interrupted; continue with --resume"}, "interrupted; continue with --resume"),
+        (
+            {"status": "failed", "reason": "interrupted; continue with --resume"},
+            ">interrupted; continue with --resume<",
+        ),
         ({"status": "running"}, "stopped without a word"),
     ],
 )
@@ -152,6 +155,17 @@ def test_a_watch_ends_with_a_run_that_was_killed(tmp_path: Path, monkeypatch: py
     write_run(tmp_path, status="running")
     monkeypatch.setattr(watch.time, "sleep", lambda seconds: pytest.fail("there is nothing to wait for"))
     assert "stopped without a word" in report(tmp_path, "--watch")
+
+
+def test_a_run_that_ends_while_it_is_looked_at_is_finished(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    write_run(tmp_path, status="running")
+
+    def let_go(folder: Path) -> bool:
+        write_tables(folder)
+        return False
+
+    monkeypatch.setattr("warp_mps.app.report.gather.is_locked", let_go)
+    assert gather(tmp_path).state == "done"
 
 
 def test_what_cannot_be_reported_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

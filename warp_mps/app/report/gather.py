@@ -49,18 +49,26 @@ def gather(folder: Path) -> Run:
     if not any((folder / name).is_file() for name in (ANIMATION, PROBES, SUMMARY)):
         raise InputError(str(folder), "", f"holds no run: there is no {SUMMARY}, {PROBES} or {ANIMATION} in it")
     remarks: list[str] = []
-    summary = _read_summary(folder, remarks)
+    summary, state = _read_state(folder, remarks)
     history = _read_history(folder, remarks)
     animation = _read_animation(folder, remarks)
     if summary is None:
         named = animation.provenance.get("case") if animation else None
         summary = RunSummary(case=str(named or folder.resolve().name), status="running")
-    state = summary.status
-    if state == "running" and is_locked(folder) is False:
-        state = "stopped"
     if state in ("running", "stopped") and history is not None:
         summary.time, summary.energy = history.last_time, energy_record(history)
     return Run(folder, state, summary, history, animation, tuple(remarks))
+
+
+def _read_state(folder: Path, remarks: list[str]) -> tuple[RunSummary | None, str]:
+    """The summary, if there is one, and the state of the run."""
+    summary = _read_summary(folder, remarks)
+    if summary is not None and (summary.status != "running" or is_locked(folder) is not False):
+        return summary, summary.status
+    if summary is not None:
+        # it may have ended since: a run says how before it lets the folder go
+        summary = _read_summary(folder, remarks)
+    return summary, "stopped" if summary is None or summary.status == "running" else summary.status
 
 
 def _read_summary(folder: Path, remarks: list[str]) -> RunSummary | None:

@@ -65,11 +65,10 @@ def page(run: Run, *, reload: float | None = None) -> str:
         "reload": reload if run.state == "running" else None,
     }
     description = str(run.summary.settings.get("description") or "")
-    reason = f": {run.summary.reason}" if run.summary.reason else ""
     return Template(_resource("report.html")).substitute(
         title=escape(run.summary.case),
         state=run.state,
-        state_text=escape(f"{tables.STATES[run.state]}{reason}"),
+        state_text=escape(tables.state_text(run)),
         description="".join(f"<p>{escape(part)}</p>" for part in description.split("\n\n") if part.strip()),
         remarks="".join(f"<li>{escape(text)}</li>" for text in remarks),
         cards=tables.cards(run),

@@ -26,6 +26,14 @@ RECORDS = {
 }
 
 
+def state_text(run: Run) -> str:
+    """How the run is doing, or how it ended and why."""
+    reason = run.summary.reason
+    if reason.startswith("interrupted"):
+        return reason
+    return f"{STATES[run.state]}: {reason}" if reason else STATES[run.state]
+
+
 def number(value: Any, digits: int = 5) -> str:
     """A number as text; a dash where there is none."""
     if value is None or (isinstance(value, float) and not math.isfinite(value)):
@@ -50,7 +58,7 @@ def cards(run: Run) -> str:
     speed = sum(value or 0.0 for value in summary.particle_steps_per_second.values())
     if speed:
         found.append(("particle-steps a second", f"{speed / 1e6:.3g} million"))
-    if summary.energy.get("drift") is not None and not summary.fluid:
+    if summary.energy.get("drift") is not None and not _has_fluids(run):
         found.append(("energy drift", percent(summary.energy["drift"])))
     errors = [row["error"] for row in summary.measurements if row.get("error") is not None]
     if errors:
@@ -70,7 +78,13 @@ def measurements(run: Run) -> str:
         measured = row.get("reason") or "none" if value is None else _valued(value, unit)
         reference = "-" if expected is None else _valued(expected, unit)
         error = percent(row.get("error")) or "-"
-        cells = [(row.get("name"), ""), (measured, "n"), (reference, "n"), (error, "n"), (row.get("source") or "-", "")]
+        cells = [
+            (row.get("name"), ""),
+            (measured, "quiet" if value is None else "n"),
+            (reference, "n"),
+            (error, "n"),
+            (row.get("source") or "-", ""),
+        ]
         body.append([*cells, (_how(row), "quiet")])
     heads = [("result", ""), ("measured", "n"), ("reference", "n"), ("error", "n"), ("source of the reference", "")]
     note = '<p class="quiet">An error is (measured - reference) over the magnitude of the reference.</p>'
@@ -114,7 +128,7 @@ def accounts(run: Run) -> str:
         if summary.energy.get(name)
     ]
     drift = summary.energy.get("drift")
-    if drift is not None and not summary.fluid:
+    if drift is not None and not _has_fluids(run):
         rows.append(("change of the energy balance, largest, over the largest energy or work", percent(drift), ""))
     if summary.momentum_error is not None:
         text = "resultant of the internal forces, largest, over the sum of their magnitudes"
@@ -153,6 +167,11 @@ def settings(run: Run) -> str:
 def is_static(run: Run) -> bool:
     """Whether the times are load factors."""
     return run.summary.settings.get("analysis") == "static"
+
+
+def _has_fluids(run: Run) -> bool:
+    """Whether there are fluids, whose energy is not kept."""
+    return any(cloud.role == "fluid" for cloud in run.animation.clouds) if run.animation else bool(run.summary.fluid)
 
 
 def _flat(values: Mapping[str, Any], before: str = "") -> list[tuple[str, str]]:

@@ -34,21 +34,21 @@ class Camera {
     return this.distance * Math.tan(VIEW_ANGLE / 2);
   }
 
-  /** Move so that a box fills the view, without a part of its width at the right, from where it is looked at now. */
-  fit(low, high, reserved) {
+  /** Move so that a box fills the view, but for parts of it at its right and its bottom, from where it is looked at now. */
+  fit(low, high, right, bottom) {
     this.moved = false;
     this.target = low.map((value, k) => 0.5 * (value + high[k]));
     this.home = [...this.target];
-    const aspect = this.aspect * (1 - reserved);
+    const width = this.aspect * (1 - right), height = 1 - bottom;
     const tangent = Math.tan(VIEW_ANGLE / 2);
     this.distance = 1e-9;
     for (let corner = 0; corner < 8; corner++) {
       const from = low.map((value, k) => ((corner >> k) & 1 ? high[k] : value) - this.target[k]);
       const depth = this.flat ? 0 : dot(from, this.back);
-      const reach = Math.max(Math.abs(dot(from, this.up)), Math.abs(dot(from, this.right)) / aspect);
+      const reach = Math.max(Math.abs(dot(from, this.up)) / height, Math.abs(dot(from, this.right)) / width);
       this.distance = Math.max(this.distance, depth + (1.06 * reach) / tangent);
     }
-    this.target = along(this.target, this.right, this.half * this.aspect * reserved);
+    this.target = along(along(this.target, this.right, this.half * this.aspect * right), this.up, -this.half * bottom);
     this.extent = Math.hypot(...low.map((value, k) => high[k] - value)) || 1;
   }
 

@@ -69,6 +69,12 @@ class Colors {
     ];
   }
 
+  /** Whether values far off are on the page as the nearest one that it holds. */
+  get clipped() {
+    const { least, greatest, kept } = this.quantity;
+    return kept[0] > least || kept[1] < greatest;
+  }
+
   label() {
     return this.quantity.unit && this.quantity.unit !== "1" ? `${this.quantity.title} [${this.quantity.unit}]` : this.quantity.title;
   }
@@ -77,8 +83,7 @@ class Colors {
   stated() {
     if (!this.quantity) return "";
     const { least, greatest, kept, unit } = this.quantity, own = unit === "1" ? "" : ` ${unit}`;
-    const clipped = kept[0] > least || kept[1] < greatest;
     const text = `in the whole run ${short(least)} to ${short(greatest)}${own}`;
-    return clipped ? `${text}; kept from ${short(kept[0])} to ${short(kept[1])}` : text;
+    return this.clipped ? `${text}; this page holds those from ${short(kept[0])} to ${short(kept[1])}${own}` : text;
   }
 }

@@ -17,8 +17,8 @@ class Controls {
     this.fillBodies();
     this.fillViews();
     byId("help").textContent = this.camera.flat
-      ? "Drag moves, wheel zooms, double click shows everything."
-      : "Drag turns, shift or right drag moves, wheel zooms, double click shows everything.";
+      ? "Drag moves, wheel zooms, double click shows everything; space plays, arrows step."
+      : "Drag turns, shift or right drag moves, wheel zooms, double click shows everything; space plays, arrows step.";
   }
 
   fillColors() {
@@ -54,6 +54,7 @@ class Controls {
     if (quantity) {
       [byId("lowest").value, byId("highest").value] = range.map((value) => short(value));
       byId("unit").textContent = quantity.unit === "1" ? "" : quantity.unit;
+      byId("whole").disabled = this.colors.clipped;
     }
     byId("stated").textContent = this.colors.stated();
     this.colors.draw(byId("colorbar"));
@@ -131,10 +132,11 @@ class Controls {
   /** Look from a direction, at everything. */
   look(azimuth = this.camera.azimuth, elevation = this.camera.elevation) {
     const room = Math.max(...this.animation.clouds.map((cloud) => 0.5 * cloud.width)), pad = (value) => [...value, 0].slice(0, 3);
-    // the bar of colours should hide nothing
-    const reserved = this.colors.quantity ? Math.min(140 / Math.max(this.scene.canvas.clientWidth, 1), 0.4) : 0;
+    // what lies over the picture should hide nothing
+    const { clientWidth, clientHeight } = this.scene.canvas, part = (size, of) => Math.min(size / Math.max(of, 1), 0.4);
+    const right = this.colors.quantity ? part(140, clientWidth) : 0, bottom = this.camera.flat ? part(44, clientHeight) : 0;
     this.camera.turn(azimuth, elevation);
-    this.camera.fit(pad(this.animation.low.map((value) => value - room)), pad(this.animation.high.map((value) => value + room)), reserved);
+    this.camera.fit(pad(this.animation.low.map((value) => value - room)), pad(this.animation.high.map((value) => value + room)), right, bottom);
     this.redraw();
   }
 

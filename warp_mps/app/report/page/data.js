@@ -81,7 +81,10 @@ class Animation {
 function short(value, digits = 4) {
   if (value === null || value === undefined || !Number.isFinite(value)) return "-";
   const size = Math.abs(value);
-  if (size !== 0 && (size < 1e-3 || size >= 1e6)) return value.toExponential(Math.max(digits - 2, 0)).replace("e+", "e");
+  if (size !== 0 && (size < 1e-3 || size >= 1e6)) {
+    const [mantissa, power] = value.toExponential(Math.max(digits - 2, 0)).split("e");
+    return `${Number(mantissa)}e${Number(power)}`;
+  }
   return String(Number(value.toPrecision(digits)));
 }
 

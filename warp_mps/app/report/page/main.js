@@ -22,9 +22,12 @@ function keep() {
   } catch { /* a browser that keeps nothing for files */ }
 }
 
-function kept() {
+/** What the page that was here before took along, once. */
+function takeKept() {
   try {
-    return JSON.parse(sessionStorage.getItem(KEPT));
+    const text = sessionStorage.getItem(KEPT);
+    sessionStorage.removeItem(KEPT);
+    return JSON.parse(text);
   } catch {
     return null;
   }
@@ -44,7 +47,7 @@ async function startPlayer(facts, moved) {
       drawOverlay(byId("overlay"), scene);
     });
   };
-  scene.scale = camera.flat ? 1.4 : 1.2;
+  scene.scale = camera.flat ? 1.45 : 1.2;
   scene.resize();
   const controls = new Controls(scene, redraw), player = new Player(scene, redraw, moved);
   Object.assign(report, { animation, camera, colors, scene, controls, player });
@@ -52,11 +55,11 @@ async function startPlayer(facts, moved) {
   // a picture that nobody has moved stays whole
   new ResizeObserver(() => (scene.resize() && !camera.moved ? controls.look() : redraw())).observe(scene.canvas);
   hover(scene);
-  const before = DATA.reload ? kept() : null;
+  const before = takeKept();
   await scene.load();
   await controls.choose(before ? before.quantity : facts.first);
   controls.look();
-  if (DATA.reload) player.go(before?.frame ?? animation.count - 1);
+  if (DATA.reload || before) player.go(before?.frame ?? animation.count - 1);
   if (before) {
     Object.assign(camera, { target: before.target, distance: before.distance });
     camera.turn(before.azimuth, before.elevation);
