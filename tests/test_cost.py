@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 
-from tests.scenes import HAMILTONIAN, beam
+from tests.scenes import HAMILTONIAN, RUBBER, beam
 from warp_mps.cost import estimate, refuse_too_large
 from warp_mps.errors import InputError
-from warp_mps.scene import Contact, Fluid, Scene, Wall
+from warp_mps.runs import run_scene
+from warp_mps.scene import Body, Contact, Fluid, Scene, Wall
 from warp_mps.shapes import Box
 from warp_mps.simulation import Simulation
 
@@ -21,6 +23,15 @@ def test_the_estimate_is_what_the_run_then_has() -> None:
     assert cost.particles == {"beam": simulation.particles.count}
     assert (cost.dt, cost.steps) == (simulation.dt, simulation.total_steps)
     assert cost.frames == 2
+
+
+def test_the_animation_is_no_larger_than_estimated(tmp_path: Path) -> None:
+    block = Body(name="block", shape=Box((0.2, 0.2)), material=RUBBER, spacing=0.005, angular_velocity=1.0)
+    for outputs in ((), ("stress", "strain", "von_mises", "strain_energy")):
+        scene = Scene(bodies=(block,), duration=0.002, frame_rate=10000.0, outputs=outputs)
+        run_scene(scene, tmp_path, quiet=True, overwrite=True)
+        size = (tmp_path / "run.usdc").stat().st_size
+        assert 0.7 * size < estimate(scene).disk < 1.3 * size
 
 
 def test_memory_is_refused_when_there_is_not_enough() -> None:

@@ -37,6 +37,9 @@ BYTES_PER_PAIR = {2: 40, 3: 48}
 BYTES_OF_CONTACT = {2: 350, 3: 450}
 BYTES_OF_FRICTION = {2: 430, 3: 600}
 
+# bytes of a particle in a frame: position, velocity and pressure, and the outputs
+BYTES_OF_FRAME = 28
+BYTES_OF_OUTPUT = {"stress": 72, "strain": 72, "von_mises": 4, "strain_energy": 4}
 
 # bytes more a particle where equations are solved for the displacements
 BYTES_OF_SOLVER = {2: 600, 3: 1000}
@@ -60,6 +63,7 @@ class Cost:
         steps: Number of steps; of fluids the least.
         frames: Number of saved frames.
         memory: Memory needed at most [bytes].
+        disk: Size of the animation at most, of which two are kept while it is written [bytes].
         seconds: Wall time on one CPU core [s].
     """
 
@@ -70,6 +74,7 @@ class Cost:
     steps: int
     frames: int
     memory: float
+    disk: float
     seconds: float
 
 
@@ -97,8 +102,9 @@ def estimate(scene: Scene) -> Cost:
         dt=clock.dt,
         dt_limit=clock.dt_limit,
         steps=clock.steps,
-        frames=clock.steps // clock.frame_every + 1,
+        frames=frames_of(clock),
         memory=memory_of(scene, total),
+        disk=disk_of(scene, total, frames_of(clock)),
         seconds=clock.steps * (elastic * neighbours * per_pair * products + total * contact),
     )
 
@@ -130,8 +136,9 @@ def _estimate_fluids(scene: Scene) -> Cost:
         dt=dt,
         dt_limit=limit,
         steps=steps,
-        frames=clock.steps // clock.frame_every + 1,
+        frames=frames_of(clock),
         memory=memory_of(scene, filled.count),
+        disk=disk_of(scene, filled.count, frames_of(clock)),
         seconds=steps * (filled.count * SECONDS_PER_FLUID_STEP[scene.dimension] * passes + _of_bodies(scene, filled)),
     )
 
@@ -155,6 +162,16 @@ def _of_bodies(scene: Scene, particles: Particles) -> float:
     pairs = neighbours * SECONDS_PER_PAIR[scene.elasticity.model][scene.dimension]
     dry = particles.count - particles.liquid
     return (PASSES + 1.0) * steps * (particles.elastic * pairs + dry * contact)
+
+
+def frames_of(clock: Clock) -> int:
+    """Number of saved frames, the first and the last included."""
+    return clock.steps // clock.frame_every + 1
+
+
+def disk_of(scene: Scene, particles: int, frames: int) -> float:
+    """Size of an animation of so many particles and frames, at most [bytes]."""
+    return float(frames) * particles * (BYTES_OF_FRAME + sum(BYTES_OF_OUTPUT[name] for name in scene.outputs))
 
 
 def memory_of(scene: Scene, particles: int) -> float:

@@ -50,6 +50,15 @@ def test_stages_that_cannot_be_run(
     assert not out.exists()
 
 
+def test_check_refuses_what_does_not_fit_before_it_says_what_a_run_takes(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    part = ("Cube", 'token mps:role = "part"', "double size = 0.1", "double3 xformOp:translate = (9, 9, 0)", ORDER)
+    path = write(tmp_path, Core=(*part, "rel mps:body = </Beam>", "rel material:binding:physics = </Steel>"))
+    assert "/Core: the part holds no particle of body 'Beam'" in refusal(capsys, "check", str(path))
+    assert "/Tip: (9, 9) m lies outside every body" in refusal(capsys, "check", str(write(tmp_path, Tip=PROBE)))
+
+
 def test_a_stage_without_a_scene_or_without_anything(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     empty = tmp_path / "empty.usda"
     empty.write_text("#usda 1.0\n")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -12,7 +13,7 @@ from rich.table import Table
 
 from warp_mps.catalogue import shipped_cases
 from warp_mps.clock import Clock
-from warp_mps.cost import available_memory, estimate, refuse_too_large
+from warp_mps.cost import Cost, available_memory, estimate, refuse_too_large
 from warp_mps.fluid_checks import remarks
 from warp_mps.observers.sampling import make_sampler
 from warp_mps.particles import Particles, fill_scene, select_held
@@ -43,7 +44,25 @@ def show_check(scene: Scene) -> int:
     Raises:
         InputError: The bodies, supports, loads or probes do not fit the particles, or there is not enough memory.
     """
-    cost, clock, static = estimate(scene), Clock(scene), scene.analysis == "static"
+    cost = estimate(scene)
+    lines: list[str] = []
+    if cost.memory <= available_memory():
+        particles = fill_scene(scene)
+        lines = part_lines(scene, particles)
+        held: list[Support | Load] = [*scene.supports, *scene.loads]
+        for item in held:
+            select_held(particles, item)
+        for probe in scene.probes:
+            make_sampler(probe, scene, particles)
+    console().print(_cost_table(scene, cost))
+    for line in [*remarks(scene), *lines]:
+        console().print(line, highlight=False, soft_wrap=True)
+    refuse_too_large(scene)
+    return 0
+
+
+def _cost_table(scene: Scene, cost: Cost) -> Table:
+    clock, static = Clock(scene), scene.analysis == "static"
     table = _table("", "")
     table.show_header = False
     table.add_row("case", f"{scene.name} ({_kind(scene)})")
@@ -60,20 +79,12 @@ def show_check(scene: Scene) -> int:
     available = available_memory()
     note = "" if cost.memory <= available else "  TOO MUCH: will be refused"
     table.add_row("memory", f"{_bytes(cost.memory)} of {_bytes(available)} available{note}")
+    free = shutil.disk_usage(".").free
+    note = "" if 2.0 * cost.disk <= free else "  TOO MUCH: save fewer frames, by a lower mps:frameRate"
+    here = f"at most {_bytes(cost.disk)}, twice that while it is written, {_bytes(free)} are free here"
+    table.add_row("animation", f"{here}{note}")
     table.add_row("expected time on one CPU core", duration(cost.seconds))
-    console().print(table)
-    for line in remarks(scene):
-        console().print(line, highlight=False, soft_wrap=True)
-    refuse_too_large(scene)
-    particles = fill_scene(scene)
-    for line in part_lines(scene, particles):
-        console().print(line, highlight=False, soft_wrap=True)
-    held: list[Support | Load] = [*scene.supports, *scene.loads]
-    for item in held:
-        select_held(particles, item)
-    for probe in scene.probes:
-        make_sampler(probe, scene, particles)
-    return 0
+    return table
 
 
 def part_lines(scene: Scene, particles: Particles) -> list[str]:
