@@ -32,6 +32,7 @@ from warp_mps.coupling.mobility import Mobility
 from warp_mps.coupling.quasi_newton import QuasiNewton
 from warp_mps.coupling.record import ExchangeStatistics
 from warp_mps.coupling.structures import Structure
+from warp_mps.errors import RunError
 from warp_mps.fluid.fluids import Fluids
 from warp_mps.scene import Scene
 
@@ -137,9 +138,15 @@ class WetFluids(Fluids):
         self._guess = forces
 
     def _fit(self) -> float:
-        """Make the step one that the bodies can take, and return the time at its end [s]."""
+        """Make the step one that the bodies can take, and return the time at its end [s].
+
+        Raises:
+            RunError: A particle is infinitely fast.
+        """
         now, target = float(self.state.time.numpy()[0]), float(self._target.numpy()[0])
         wish = float(self._dt.numpy()[0])
+        if not wish > 0.0:
+            raise RunError(f"at t = {now:.6g} s: {self.fastest()}: time stands still")
         dt, left = self._structure.fit(wish, target - now)
         self._way.assign(self._way.numpy() * (dt / wish))
         self._dt.assign([dt])

@@ -1,5 +1,7 @@
 """What ends a run of fluids: why no further step makes sense, and at which particle."""
 
+import math
+
 import numpy as np
 
 from warp_mps.fluid.readings import FluidReadings
@@ -45,8 +47,11 @@ class FluidFailures(FluidReadings):
         usual = max(self._courant * self._spacing / self._longest, speeds[:w].max(initial=0.0))
         if speeds[k] <= LARGEST_SPEED * usual:
             return None
-        fled = f"{self._which(k)} at {self._where(k)} runs away at {speeds[k]:.4g} m/s"
-        return f"{fled}: the flow has collapsed there, and time steps with it"
+        return f"{self._moving(k)}: it runs away, the flow has collapsed there, and time steps with it"
+
+    def fastest(self) -> str:
+        """The fastest particle of all, and how fast it is."""
+        return self._moving(int(np.argmax(np.abs(self.state.u.numpy()).max(axis=1))))
 
     def _leak(self) -> str | None:
         """Which particle has left the domain, if too many have, or one whose place is no number."""
@@ -78,6 +83,11 @@ class FluidFailures(FluidReadings):
         """The particle at a place in the arrays."""
         w = self._walls
         return self._particles.describe(int(place if place < w else w + self.state.order.numpy()[place - w]))
+
+    def _moving(self, place: int) -> str:
+        # squares of what has exploded would be no numbers any more
+        speed = math.hypot(*self.state.u.numpy()[place].astype(float))
+        return f"{self._which(place)} at {self._where(place)} moves at {speed:.4g} m/s"
 
     def _where(self, place: int) -> str:
         """Where the particle at a place in the arrays is."""
