@@ -48,8 +48,13 @@ def write_tables(folder: Path, **facts: Any) -> None:
     RunSummary(**{"energy": energy, "momentum_error": 2e-16, **known, **facts}).write(folder / "run.json")
 
 
-def write_water(folder: Path) -> None:
-    """Write run.usdc of 8 by 6 particles of water in the x-y plane, one of which is lost, with pressures by depth."""
+def write_water(folder: Path, *, nowhere: bool = False) -> None:
+    """Write run.usdc of 8 by 6 particles of water in the x-y plane, one of which is lost, with pressures by depth.
+
+    Args:
+        folder: Where it goes.
+        nowhere: Whether no particle has a place that is a number.
+    """
     floor = Wall(name="floor", shape=Box((0.8, 0.3), center=(0.0, -0.45)), spacing=0.1)
     water = Fluid(name="water", shape=Box((0.8, 0.6)), spacing=0.1)
     scene = Scene(fluids=(water,), walls=(floor,), gravity=(0.0, -9.81), duration=1.0, name="water")
@@ -65,6 +70,7 @@ def write_water(folder: Path) -> None:
     for k in range(4):
         positions = particles.positions.copy()
         positions[-1] = np.nan if k == 3 else positions[-1]
+        positions *= np.nan if nowhere else 1.0
         depth = 9810.0 * (0.3 - particles.positions[:, 1])
         writer.write(0.1 * k, positions, np.full_like(positions, 0.1 * k), pressure=depth)
     writer.close()

@@ -22,7 +22,8 @@ DRAWN = """(() => {
   gl.readPixels(0, 0, width, height, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
   let count = 0, colorful = 0;
   for (let i = 0; i < pixels.length; i += 4) {
-    const [least, most] = [Math.min(...pixels.slice(i, i + 3)), Math.max(...pixels.slice(i, i + 3))];
+    const [red, green, blue] = [pixels[i], pixels[i + 1], pixels[i + 2]];
+    const least = Math.min(red, green, blue), most = Math.max(red, green, blue);
     count += most < 240;
     colorful += most - least > 40;
   }
@@ -33,7 +34,7 @@ DRAWN = """(() => {
 @pytest.fixture(scope="module")
 def browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
     pytest.importorskip("websocket")
-    with Browser(tmp_path_factory.mktemp("browser"), size=(1100, 800)) as opened:
+    with Browser(tmp_path_factory.mktemp("browser"), size=(900, 640)) as opened:
         yield opened
 
 

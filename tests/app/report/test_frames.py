@@ -9,6 +9,7 @@ import pytest
 
 from tests.app.report.runs import write_water
 from tests.app.results import SPACE, write_result
+from warp_mps.app.cli import main
 from warp_mps.app.report import frames as module
 from warp_mps.app.report.frames import make_frames
 from warp_mps.app.report.quantities import range_of
@@ -75,6 +76,26 @@ def test_particles_that_are_nowhere_are_left_out(tmp_path: Path) -> None:
     assert frames.facts["high"] == pytest.approx([0.35, 0.25])
     assert frames.facts["first"] == "pressure"
     assert [item["name"] for item in frames.facts["quantities"]] == ["speed", "pressure"]
+
+
+def test_a_run_of_which_nothing_is_anywhere_has_a_page(tmp_path: Path) -> None:
+    write_water(tmp_path, nowhere=True)
+    frames = make_frames(Animation(tmp_path))
+    assert frames.facts["seen"] == [frames.facts["low"], frames.facts["high"]] == [[0.0] * 2, [1.0] * 2]
+    assert main(["report", str(tmp_path)]) == 0
+
+
+def test_a_drop_that_flies_far_does_not_make_the_rest_small(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    write_water(tmp_path)
+    # of 4 frames of 48 particles a percent is two
+    monkeypatch.setattr(module, "DROPS", 1.0)
+    facts = make_frames(Animation(tmp_path)).facts
+    # the wall counts as a whole
+    assert facts["seen"][0] == pytest.approx([-0.35, -0.55])
+    assert facts["seen"][1] == pytest.approx([0.35, 0.25])
+    monkeypatch.setattr(module, "DROPS", 20.0)
+    facts = make_frames(Animation(tmp_path)).facts
+    assert facts["seen"][1] == pytest.approx([0.35, 0.15])
 
 
 def test_colours_stand_for_what_is_usual() -> None:

@@ -20,6 +20,8 @@ MOST_POSITIONS, MOST_VALUES = 2_500_000, 10_000_000
 FINE_VALUES = 2_000_000
 # a part of a run that flies off further than this many sizes of the rest is left out of the picture
 FAR = 1.0
+# percentage of a fluid's particles that may leave the picture at either side
+DROPS = 0.2
 # a run is shown for at least this time, if that takes two frames a second or more [s]
 SHORTEST = 3.0
 
@@ -54,6 +56,7 @@ def make_frames(animation: Animation) -> Frames:
     columns = ["xyz".index(axis) for axis in axes]
     places = {n: animation.meters_per_unit * value[..., columns] for n, value in points.items()}
     low, high = _box(places)
+    seen = _seen(places, [n for n in numbers if animation.clouds[n].role == "fluid"])
     frames = Frames(
         {
             "axes": axes,
@@ -61,6 +64,7 @@ def make_frames(animation: Animation) -> Frames:
             "up": animation.up_axis,
             "low": low.tolist(),
             "high": high.tolist(),
+            "seen": np.clip(seen, low, high).tolist(),
             "times": animation.times[chosen].tolist(),
             "rate": min(animation.playback_rate, max(len(chosen) / SHORTEST, 2.0)),
         }
@@ -102,14 +106,29 @@ def _axes(points: Mapping[int, np.ndarray], up_axis: str) -> str:
 
 def _box(places: Mapping[int, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
     """The corners of a box around all particles, without those that fly far off [m]."""
-    every = np.concatenate([value.reshape(-1, value.shape[-1]) for value in places.values()])
-    every = every[np.isfinite(every).all(axis=1)]
+    every = np.concatenate([_somewhere(value) for value in places.values()])
     if not len(every):
         return np.zeros(every.shape[1]), np.ones(every.shape[1])
     inner = np.percentile(every, [0.2, 99.8], axis=0)
     reach = FAR * max(float(np.ptp(inner, axis=0).max()), 1e-12)
     low, high = np.maximum(every.min(axis=0), inner[0] - reach), np.minimum(every.max(axis=0), inner[1] + reach)
     return low.astype(float), high.astype(float)
+
+
+def _seen(places: Mapping[int, np.ndarray], fluids: list[int]) -> np.ndarray:
+    """The corners of what a picture should show: everything but single drops that fly far, shape [2, dimension]."""
+    corners = []
+    for number, value in places.items():
+        every, off = _somewhere(value), DROPS if number in fluids else 0.0
+        if len(every):
+            corners.append(np.percentile(every, [off, 100.0 - off], axis=0))
+    return np.array([np.min(corners, axis=0)[0], np.max(corners, axis=0)[1]]) if corners else np.array(_box(places))
+
+
+def _somewhere(places: np.ndarray) -> np.ndarray:
+    """The places that are any, shape [n, dimension]."""
+    every = places.reshape(-1, places.shape[-1])
+    return every[np.isfinite(every).all(axis=1)]
 
 
 def _pack_places(frames: Frames, places: np.ndarray, low: np.ndarray, high: np.ndarray) -> dict[str, int]:

@@ -166,7 +166,8 @@ def settings(run: Run) -> str:
 
 def is_static(run: Run) -> bool:
     """Whether the times are load factors."""
-    return run.summary.settings.get("analysis") == "static"
+    noted = run.animation.provenance if run.animation else {}
+    return "static" in (run.summary.settings.get("analysis"), noted.get("analysis"))
 
 
 def _has_fluids(run: Run) -> bool:

@@ -136,7 +136,8 @@ class Controls {
     const { clientWidth, clientHeight } = this.scene.canvas, part = (size, of) => Math.min(size / Math.max(of, 1), 0.4);
     const right = this.colors.quantity ? part(140, clientWidth) : 0, bottom = this.camera.flat ? part(44, clientHeight) : 0;
     this.camera.turn(azimuth, elevation);
-    this.camera.fit(pad(this.animation.low.map((value) => value - room)), pad(this.animation.high.map((value) => value + room)), right, bottom);
+    const [low, high] = this.animation.seen;
+    this.camera.fit(pad(low.map((value) => value - room)), pad(high.map((value) => value + room)), right, bottom);
     this.redraw();
   }
 
