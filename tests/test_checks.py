@@ -240,7 +240,7 @@ BROKEN: list[tuple[str, str, str, dict[str, Any]]] = [
     ("/World/tip", "about", "is missing", probe(region=REGION, quantity="section_moment")),
     ("/World/tip", "about", "needs section_moment", probe(region=REGION, quantity="section_force", about=(0.0, 0.0))),
     ("/World/tip", "about", "2 finite", probe(region=REGION, quantity="section_moment", about=(0.0, NAN))),
-    ("/World", "outputs", "is 'stress', must be a tuple of names", {"outputs": "stress"}),
+    ("/World", "outputs", "is 'stress', must be a tuple of texts", {"outputs": "stress"}),
     ("/World", "outputs", "is 'heat', must be one of: stress", {"outputs": ("stress", "heat")}),
     ("/World", "outputs", "names a quantity twice", {"outputs": ("stress", "stress")}),
     ("/World/tip", "point", "2 finite numbers", probe(point=(0.0, 0.0, 0.0))),

@@ -24,6 +24,7 @@ from warp_mps.requirements import positive as _positive
 from warp_mps.requirements import require as _require
 from warp_mps.requirements import vector as _vector
 from warp_mps.spline import table_values
+from warp_mps.type_checks import check_types
 
 if TYPE_CHECKING:
     from warp_mps.scene import Body, Fluid, Load, Material, Scene, Support, Wall
@@ -37,6 +38,7 @@ def check_scene(scene: Scene) -> None:
     Raises:
         InputError: The first thing found that is not allowed.
     """
+    check_types(scene, scene.path if isinstance(scene.path, str) else "scene")
     _scene_numbers(scene)
     _frame(scene)
     _require(bool(scene.bodies or scene.fluids), scene.path, "bodies", "there is no body and no fluid to simulate")
@@ -76,8 +78,6 @@ def _scene_numbers(scene: Scene) -> None:
     _range(scene.elasticity.effective_radius, 1.1, 5.0, where, "effective_radius")
     _range(scene.elasticity.control, 0.0, 10.0, where, "control")
     _range(scene.damping, 0.0, math.inf, where, "damping")
-    reason = f"is {scene.outputs!r}, must be a tuple of names"
-    _require(not isinstance(scene.outputs, str), where, "outputs", reason)
     for output in scene.outputs:
         _choice(output, sc.OUTPUTS, where, "outputs")
     _require(len({*scene.outputs}) == len(scene.outputs), where, "outputs", "names a quantity twice")

@@ -33,12 +33,24 @@ def require(good: bool | np.bool_, where: str, attribute: str, reason: str) -> N
         raise InputError(where, attribute, reason)
 
 
+def is_number(value: object) -> bool:
+    """Whether something is one number, of whatever type; a text is none."""
+    if isinstance(value, str | bytes):
+        return False
+    try:
+        float(value)  # type: ignore[arg-type]
+    except (TypeError, ValueError):
+        return False
+    return True
+
+
 def positive(value: float, where: str, attribute: str) -> None:
     """Refuse a number that is not finite and above 0, or that is absurdly small or large.
 
     Raises:
         InputError: It is.
     """
+    value = float(value)  # a single-precision number has no room for the limits
     require(math.isfinite(value) and value > 0.0, where, attribute, f"is {value:g}, must be finite and above 0")
     good = 1.0 / LARGEST <= value <= LARGEST
     require(good, where, attribute, f"is {value:g}, must be between {1.0 / LARGEST:g} and {LARGEST:g}")
@@ -50,6 +62,7 @@ def in_range(value: float, low: float, high: float, where: str, attribute: str) 
     Raises:
         InputError: It is.
     """
+    value = float(value)
     good = math.isfinite(value) and low <= value <= min(high, LARGEST)
     limits = f"at least {low:g}" if math.isinf(high) else f"between {low:g} and {high:g}"
     require(good, where, attribute, f"is {value:g}, must be finite and {limits}")

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from warp_mps.errors import InputError
+from warp_mps.requirements import is_number
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -24,7 +25,7 @@ class Shape:
     def __post_init__(self) -> None:
         if self.placement is None:
             return
-        placement = np.asarray(self.placement, float)
+        placement = as_array(self.placement)
         if placement.shape != (4, 4) or not np.isfinite(placement).all() or np.linalg.det(placement[:3, :3]) == 0:
             raise InputError(self._kind, "placement", "must be a finite, invertible 4 x 4 matrix")
         object.__setattr__(self, "placement", placement)
@@ -59,8 +60,8 @@ class Shape:
         object.__setattr__(self, name, value)
 
     def _positive(self, name: str, value: float) -> None:
-        if not value > 0:
-            raise InputError(self._kind, name, f"must be positive, not {value}")
+        if not (is_number(value) and value > 0):
+            raise InputError(self._kind, name, f"must be positive, not {value!r}")
 
 
 class _Implicit(Shape):
@@ -173,7 +174,7 @@ class Cylinder(_Implicit):
         self._positive("height", self.height)
         if self.axis not in ("x", "y", "z"):
             raise InputError(self._kind, "axis", f"must be x, y or z, not {self.axis!r}")
-        if not 0 <= self.inner_radius < self.radius:
+        if not (is_number(self.inner_radius) and 0 <= self.inner_radius < self.radius):
             raise InputError(self._kind, "inner_radius", f"must be at least 0 and less than the radius {self.radius}")
 
     def _half_extent(self, direction: np.ndarray) -> float:
@@ -191,11 +192,20 @@ class Cylinder(_Implicit):
         return [*faces, (self.inner_radius - distance, outward)] if self.inner_radius > 0 else faces
 
 
+def as_array(values: object) -> np.ndarray:
+    """Numbers as an array; an empty one of what are no numbers."""
+    try:
+        return np.asarray(values, float)
+    except (TypeError, ValueError):
+        return np.zeros(0)
+
+
 def _padded(shape: Shape, name: str, depth: float) -> tuple[float, ...]:
     """The 3 numbers of a field that may be given with 2, the depth added."""
-    values = tuple(float(value) for value in getattr(shape, name))
-    if len(values) not in (2, 3) or any(np.isnan(value) for value in values):
-        raise InputError(type(shape).__name__, name, f"must be 2 or 3 numbers, not {getattr(shape, name)}")
+    given = as_array(getattr(shape, name))
+    if given.shape not in ((2,), (3,)) or np.isnan(given).any():
+        raise InputError(type(shape).__name__, name, f"must be 2 or 3 numbers, not {getattr(shape, name)!r}")
+    values = tuple(given.tolist())
     return values if len(values) == 3 else (*values, depth)
 
 

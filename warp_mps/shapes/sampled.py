@@ -8,7 +8,7 @@ import numpy as np
 
 from warp_mps.errors import InputError
 from warp_mps.shapes import lattice, solid
-from warp_mps.shapes.primitives import Shape
+from warp_mps.shapes.primitives import Shape, as_array
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,10 +25,12 @@ class Mesh(Shape):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        points, triangles = np.asarray(self.points, float), np.asarray(self.triangles, np.int64)
+        points, numbers = as_array(self.points), as_array(self.triangles)
+        triangles = numbers.astype(np.int64)
         if points.ndim != 2 or points.shape[1] != 3 or not len(points) or not np.isfinite(points).all():
             raise InputError(self._kind, "points", "must be finite, shape [n, 3], n at least 1")
-        if triangles.ndim != 2 or triangles.shape[1] != 3 or triangles.min(initial=0) < 0:
+        good = triangles.ndim == 2 and triangles.shape[1] == 3 and np.array_equal(triangles, numbers)
+        if not good or triangles.min(initial=0) < 0:
             raise InputError(self._kind, "triangles", "must be indices of points, shape [n, 3]")
         if triangles.max(initial=0) >= len(points):
             raise InputError(self._kind, "triangles", f"refers to point {triangles.max()} of {len(points)}")
@@ -75,7 +77,7 @@ class Points(Shape):
                 raise InputError(self._kind, "velocities", message)
 
     def _rows(self, name: str, values: np.ndarray) -> np.ndarray:
-        rows = np.asarray(values, float)
+        rows = as_array(values)
         if rows.ndim != 2 or rows.shape[1] not in (2, 3) or not np.isfinite(rows).all():
             raise InputError(self._kind, name, "must be finite, shape [n, 2] or [n, 3]")
         return np.pad(rows, ((0, 0), (0, 3 - rows.shape[1])))
