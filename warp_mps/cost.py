@@ -156,7 +156,8 @@ def _of_bodies(scene: Scene, particles: Particles) -> float:
         iterations = min(LINEAR * particles.elastic ** (1.0 / scene.dimension), 1.0 + 2.0 * dt / stable_step(scene))
         steps = PRODUCT * NEWTON["dynamic"] * iterations
     else:
-        steps = dt / substep(scene, particles, Clock(scene).dt)
+        # which are damped
+        steps = VISCOUS[scene.dimension] * dt / substep(scene, particles, Clock(scene).dt)
     neighbours = lattice_neighbours(scene.dimension, scene.elasticity.effective_radius)
     contact = _contact_of(scene, SECONDS_OF_CONTACT, SECONDS_OF_FRICTION)
     pairs = neighbours * SECONDS_PER_PAIR[scene.elasticity.model][scene.dimension]

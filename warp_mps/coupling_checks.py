@@ -25,6 +25,9 @@ def check_coupling(scene: Scene) -> None:
     """
     if not (scene.bodies and scene.fluids):
         return
+    model = scene.elasticity.model
+    reason = f"is {model!r}, which has no viscosity to damp what the steps of the water cannot resolve; use hamiltonian"
+    require(model == "hamiltonian", scene.path, "model", reason)
     fluid = scene.fluids[0]
     for body in scene.bodies:
         ratio = fluid.spacing / body.spacing
@@ -51,5 +54,5 @@ def _thin(body: Body, scene: Scene) -> list[str]:
     least = math.ceil(scene.flow.radius(scene.dimension)) - 1
     if rows >= least:
         return []
-    reason = f"is {rows} spacings of the water thick: in impacts, water on one side feels that on the other; "
-    return [f"{where}: {reason}{least} keep it apart"]
+    thick = f"is {rows} spacing{'s' if rows > 1 else ''} of the water thick"
+    return [f"{where}: {thick}: in impacts, water on one side feels that on the other; {least} keep it apart"]

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from warp_mps.core.kit import Kit
-from warp_mps.coupling.choice import substep, takes_implicit_steps
+from warp_mps.coupling.choice import damped, substep, takes_implicit_steps
 from warp_mps.coupling.exchange import METHOD, coupling_kernels
 from warp_mps.coupling.marker_kernels import marker_kernels
 from warp_mps.coupling.markers import Markers
@@ -70,7 +70,7 @@ class Hydroelastic:
             part = particles.elastic_part()
             return ImplicitStructure(ImplicitSolid(alone, part, dt=interval, **options))
         dt = substep(scene, particles, interval)
-        alone = replace(scene, integrator="explicit", time_step=dt, **dry)
+        alone = replace(damped(scene, particles), integrator="explicit", time_step=dt, **dry)
         return SubsteppedStructure(alone, particles.dry_part(), dt=dt, **options)
 
     def start(self) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -20,9 +20,11 @@ LEAST = 1e-3
 
 
 class Mobility:
-    """Acceleration per force of the markers of each body, under a pressure that is uniform over what of it is wet.
+    """Acceleration per force of the markers of each body, under the pressures that move it most.
 
-    A value too large costs passes; one that is some times too small lets the iteration diverge.
+    A value too large costs passes; one that is some times too small lets the iteration diverge. A uniform pressure
+    bends a plate that is wet on one side, but only squeezes a body that is in the midst of the water: what moves that
+    are pressures that grow along an axis.
 
     Attributes:
         array: Mobility of each marker [1/kg], real [markers].
@@ -52,25 +54,39 @@ class Mobility:
         if passes > PASSES:
             self._steps = STEPS
 
-    def measure(self, answer: Callable[[np.ndarray], np.ndarray], uniform: np.ndarray, forces: np.ndarray) -> None:
-        """Measure it.
+    def measure(
+        self, answer: Callable[[np.ndarray], np.ndarray], patterns: Sequence[np.ndarray], forces: np.ndarray
+    ) -> None:
+        """Measure it: for each body, the largest that it shows under any of some patterns of force.
 
         Args:
             answer: Gives the accelerations of the markers under forces [m/s^2], shapes [markers, d].
-            uniform: Forces of a uniform pressure, of any size [N], shape [markers, d].
+            patterns: Forces of some pressures, of any size, that of a uniform one first [N], shapes [markers, d].
             forces: Forces that act [N], shape [markers, d].
         """
-        norm = float(np.linalg.norm(uniform))
-        if norm == 0.0:  # nothing is wet
-            return
-        weight = float(np.linalg.norm(1.0 / self._free))
-        more = (PROBED * (float(np.linalg.norm(forces)) or weight) / norm) * uniform
-        change = answer(forces + more) - answer(forces)
-        count = self._bodies.max() + 1
-        work = np.bincount(self._bodies, np.sum(change * more, axis=1), count)
-        square = np.bincount(self._bodies, np.sum(more**2, axis=1), count)
-        mean = np.divide(work, square, out=np.full(count, np.inf), where=square > 0.0)[self._bodies]
-        self.array.assign(np.clip(mean, LEAST * self._free, self._free))
+        whole = float(np.linalg.norm(forces)) or float(np.linalg.norm(1.0 / self._free))
+        at_rest, known = answer(forces), list[np.ndarray]()
+        # what is dry has the mobility of its markers
+        found = np.where(self._sum(patterns[0], patterns[0]) > 0.0, 0.0, np.inf)
+        for pattern in patterns:
+            own = pattern.copy()
+            for other in known:
+                own -= self._ratio(own, other)[self._bodies, None] * other
+            if (norm := float(np.linalg.norm(own))) == 0.0:
+                continue
+            known.append(own)
+            more = (PROBED * whole / norm) * own
+            found = np.maximum(found, self._ratio(answer(forces + more) - at_rest, more))
+        self.array.assign(np.clip(found[self._bodies], LEAST * self._free, self._free))
+
+    def _sum(self, a: np.ndarray, b: np.ndarray) -> np.ndarray:
+        """Products of vectors on the markers of each body together, shape [bodies]."""
+        return np.bincount(self._bodies, np.sum(a * b, axis=1), self._bodies.max() + 1)
+
+    def _ratio(self, a: np.ndarray, b: np.ndarray) -> np.ndarray:
+        """How much of b there is in a, body by body; 0 where there is no b, shape [bodies]."""
+        square = self._sum(b, b)
+        return np.divide(self._sum(a, b), square, out=np.zeros(len(square)), where=square > 0.0)
 
     def arrays(self) -> dict[str, np.ndarray]:
         """What evolves, for a checkpoint."""

@@ -148,7 +148,8 @@ class SubsteppedStructure:
     def assign(self, arrays: dict[str, np.ndarray]) -> None:
         """Continue from arrays that `arrays` gave."""
         self.solid.assign(arrays)
-        self._carried.assign(arrays["carried_force"])
+        for array in (self._carried, self.external):  # what is shown of a moment knows the force of its step
+            array.assign(arrays["carried_force"])
 
     def _begin(self) -> None:
         self._snapshot.restore()

@@ -84,7 +84,7 @@ class WetFluids(Fluids):
         self._v_before, self._u_before = zeros(n, kit.vec), zeros(n, kit.vec)
         self._zero, self._one = zeros(1, wp.float64), wp.ones(1, dtype=wp.float64, device=device)
         self._fresh = wp.ones(CONTROLS, dtype=wp.int32, device=device)
-        self._open, self._ones = zeros(1, wp.int32), wp.ones(m, dtype=wp.float64, device=device)
+        self._open, self._tried = zeros(1, wp.int32), zeros(m, wp.float64)
         free = ~structure.solid.outside.held[: markers.elastic]
         self._free = wp.array(free, dtype=kit.vec, device=device)
         self._newton = QuasiNewton(REMEMBERED)
@@ -206,11 +206,17 @@ class WetFluids(Fluids):
         self._structure.advance(time)
 
     def _probe(self, time: float) -> None:
-        """Measure how the bodies answer to a uniform pressure more."""
-        self._respond(self._fresh, self._ones, self._ones, self._approximate)
-        uniform = self._approximate.numpy().astype(float)
-        self.mobility.measure(lambda forces: self._answer_to(forces, time), uniform, self._guess[0])
+        """Measure how the bodies answer to a uniform pressure more, and to one that grows along an axis."""
+        x = self.state.x.numpy()[self._walls :].astype(float)
+        patterns = [self._forces_of(values) for values in (np.ones(len(x)), *(x - x.mean(axis=0)).T)]
+        self.mobility.measure(lambda forces: self._answer_to(forces, time), patterns, self._guess[0])
         self._newton.forget()
+
+    def _forces_of(self, pressures: np.ndarray) -> np.ndarray:
+        """Approximate forces of pressures on the markers, shape [markers, d]."""
+        self._tried.assign(pressures)
+        self._respond(self._fresh, self._tried, self._tried, self._approximate)
+        return self._approximate.numpy().astype(float)
 
     def _answer_to(self, forces: np.ndarray, time: float) -> np.ndarray:
         self._take(np.stack((forces, forces)), time)

@@ -1,0 +1,1 @@
+"""Tests of water and elastic bodies together."""

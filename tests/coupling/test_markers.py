@@ -1,0 +1,112 @@
+"""What the water sees of bodies: places, velocities and masses of markers, and the forces that go back."""
+
+from __future__ import annotations
+
+import itertools
+from typing import Any
+
+import numpy as np
+import pytest
+import warp as wp
+
+from tests.coupling.scenes import SOFT, lump, pool, system_of
+from tests.fluid.scenes import KINDS, L0, tolerance
+from warp_mps.coupling.hydroelastic import Hydroelastic
+from warp_mps.coupling.markers import Markers
+from warp_mps.scene import Body, Material
+
+
+def two_bodies(dimension: int, ratio: int, **fields: Any) -> Hydroelastic:
+    """The system of a pool with two blocks, whose lattices do not begin where the water's cells do."""
+    high = [3] * (dimension - 2)
+    heavy = Material(3000.0, 5e5, 0.3)
+    one = lump([1, 2, 1][:dimension], [3, 2, *high], ratio=ratio, **fields)
+    other = lump([5, 2, 1][:dimension], [2, 3, *high], ratio=ratio, name="other", material=heavy)
+    return system_of(pool(one, other, cells=(9, 8, 5)[:dimension]))
+
+
+def members(markers: Markers) -> list[np.ndarray]:
+    """The particles of each marker."""
+    first, rows = (array.numpy() for array in markers._rows)
+    return [rows[a:b] for a, b in itertools.pairwise(first)]
+
+
+@pytest.mark.parametrize("ratio", [1, 2, 3])
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_a_marker_stands_for_the_particles_of_a_cell(dimension: int, ratio: int) -> None:
+    system = two_bodies(dimension, ratio)
+    markers, particles = system._markers, system._particles
+    cells = (3 * 2 + 2 * 3) * 3 ** (dimension - 2)
+    assert (markers.count, markers.elastic) == (cells, cells * ratio**dimension)
+    groups = members(markers)
+    assert sorted(np.concatenate(groups)) == list(range(particles.elastic))
+    for j, group in enumerate(groups):
+        assert len(group) == ratio**dimension
+        assert set(particles.bodies[group]) == {markers.bodies[j]}
+        assert markers.masses[j] == pytest.approx(particles.masses[group].sum())
+        assert np.ptp(particles.positions[group], axis=0).max() < L0
+    x = markers.particles.positions[:cells]
+    np.testing.assert_allclose(x / L0 % 1.0, 0.5, atol=1e-9)
+    assert len(np.unique(np.round(x / L0, 6), axis=0)) == cells
+    expected = 1000.0 * L0**dimension * 3 ** (dimension - 2) * np.array([6.0, 18.0])
+    np.testing.assert_allclose(np.bincount(markers.bodies, markers.masses), expected)
+    assert markers.particles.elastic == cells
+    assert (markers.particles.spacings == L0).all()
+    assert markers.particles.ranges[-1][1] == markers.particles.count == cells + particles.count - particles.elastic
+    np.testing.assert_array_equal(markers.particles.positions[cells:], particles.positions[particles.elastic :])
+
+
+def test_cells_at_an_edge_hold_what_there_is() -> None:
+    """Five and three particles along cells of two."""
+    shape = lump([2, 2], [1, 1]).shape
+    body = Body(name="odd", shape=type(shape)((5 * L0 / 2, 3 * L0 / 2), (0.1, 0.1)), material=SOFT, spacing=L0 / 2)
+    markers = system_of(pool(body, cells=(9, 9)))._markers
+    sizes = [len(group) for group in members(markers)]
+    assert sorted(sizes) == [1, 2, 2, 2, 4, 4]
+    np.testing.assert_allclose(markers.masses, np.array(sizes) * (L0 / 2) ** 2 * 1000.0)
+
+
+@pytest.mark.parametrize("ratio", [1, 2, 3])
+@pytest.mark.parametrize(("dimension", "precision"), KINDS)
+def test_places_and_velocities_are_means_now_and_ahead(dimension: int, precision: str, ratio: int) -> None:
+    body = lump([2, 2, 1][:dimension], [3, 2, 3][:dimension], ratio=ratio)
+    system = system_of(pool(body, cells=(8, 7, 5)[:dimension]), precision=precision)
+    markers, solid, water = system._markers, system.solid.state, system.water
+    rng, near = np.random.default_rng(ratio), tolerance(precision, 1e-12, 1e-5)
+    u, v = (rng.uniform(-1.0, 1.0, solid.u.numpy().shape).astype(solid.u.numpy().dtype) for _ in range(2))
+    solid.u.assign(0.01 * u)
+    solid.v.assign(v)
+    e = markers.elastic
+    groups, x = members(markers), system._particles.positions[:e] + solid.u.numpy()[:e]
+    for ahead in (0.0, 1e-3):
+        markers.show(solid, wp.array([ahead], dtype=wp.float64, device="cpu"), water.state.x, water.state.u)
+        places, speeds = (array.numpy()[: markers.count] for array in (water.state.x, water.state.u))
+        mean = np.array([v[group].mean(axis=0) for group in groups])
+        np.testing.assert_allclose(speeds, mean, atol=near)
+        expected = np.array([x[group].mean(axis=0) for group in groups]) + ahead * mean
+        np.testing.assert_allclose(places, expected, atol=near)
+    before = wp.zeros_like(solid.v)
+    markers.accelerate(wp.array([0.02], dtype=wp.float64, device="cpu"), before, solid, water.state.a)
+    np.testing.assert_allclose(water.state.a.numpy()[: markers.count], mean / 0.02, rtol=10.0 * near, atol=near)
+
+
+@pytest.mark.parametrize("ratio", [1, 2, 3])
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_a_force_goes_to_the_particles_with_its_moment(dimension: int, ratio: int) -> None:
+    """About the marker's place, whatever the deformation; and what a marker's values share is all of them."""
+    system = two_bodies(dimension, ratio)
+    markers, solid, water = system._markers, system.solid.state, system.water
+    rng = np.random.default_rng(0)
+    solid.u.assign(0.005 * rng.uniform(-1.0, 1.0, solid.u.numpy().shape))
+    system.water._show(system.water._zero)
+    force = rng.normal(size=(markers.count, dimension))
+    water._force.assign(force)
+    markers.share(water._force, system.structure.external)
+    external = system.structure.external.numpy()[: markers.elastic]
+    np.testing.assert_allclose(external, markers.shared(force), rtol=1e-12)
+    x = system._particles.positions[: markers.elastic] + solid.u.numpy()[: markers.elastic]
+    places = water.state.x.numpy()[: markers.count]
+    for j, group in enumerate(members(markers)):
+        np.testing.assert_allclose(external[group].sum(axis=0), force[j], rtol=1e-12)
+        tensor = (x[group] - places[j]).T @ external[group]
+        np.testing.assert_allclose(tensor, 0.0, atol=1e-15)

@@ -1,0 +1,130 @@
+"""Scenes of water and elastic bodies: what is refused, in which words, and what is remarked."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from tests.coupling.scenes import ALONE, IMPLICIT, SOFT, lump, pool
+from tests.fluid.scenes import L0, box
+from tests.refusals import assert_refused
+from tests.scenes import SPRINGS
+from warp_mps.fluid_checks import remarks
+from warp_mps.observers.sampling import make_sampler
+from warp_mps.particles import fill_scene
+from warp_mps.scene import Body, Contact, Fluid, Probe, Scene
+from warp_mps.shapes import Box
+from warp_mps.simulation import Simulation
+
+BLOCK = lump([3, 3], [4, 4], path="/World/block")
+VISCOUS = replace(SOFT, retardation_time=1e-4, path="/World/soft")
+
+
+def scene(*bodies: Body, **fields: Any) -> Scene:
+    """A block, or other bodies, in a pool."""
+    return pool(*(bodies or (BLOCK,)), path="/World", **fields)
+
+
+def spaced(spacing: float) -> Body:
+    return replace(BLOCK, spacing=spacing)
+
+
+BROKEN: list[tuple[str, str, str, Callable[[], object]]] = [
+    ("/World", "model", "is 'springs', which has no viscosity", lambda: scene(elasticity=SPRINGS)),
+    ("/World/block", "spacing", "must be that of the fluid", lambda: scene(spaced(L0 / 1.5))),
+    ("/World/block", "spacing", "or a whole part of it", lambda: scene(spaced(2.0 * L0))),
+    ("/World/block", "spacing", "is 0.0199 m", lambda: scene(spaced(0.0199))),
+    ("/World", "contact", "must be 'none'", lambda: scene(integrator="implicit", contact=Contact(between="all"))),
+    (
+        "/World",
+        "contact",
+        "must be 'none'",
+        lambda: scene(BLOCK, lump([8, 3], [1, 2], name="other"), integrator="implicit"),
+    ),
+    (
+        "/World/soft",
+        "retardation_time",
+        "is not known to implicit steps",
+        lambda: scene(lump([3, 3], [3, 3], material=VISCOUS), **IMPLICIT),
+    ),
+    ("/World", "analysis", "is for elastic bodies", lambda: scene(analysis="static", contact=ALONE)),
+    (
+        "/World/probe",
+        "quantity",
+        "must be one of",
+        lambda: scene(probes=(Probe(name="probe", point=(0.1, 0.1), quantity="warmth", path="/World/probe"),)),
+    ),
+    (
+        "/World/probe",
+        "moves_with",
+        "is for a point in a scene of fluids",
+        lambda: scene(
+            probes=(Probe(name="probe", point=(0.1, 0.1), moves_with="y_low", path="/World/probe"),),
+        ),
+    ),
+]
+
+
+@pytest.mark.parametrize(("where", "attribute", "reason", "make"), BROKEN)
+def test_scenes_that_cannot_be_run(where: str, attribute: str, reason: str, make: Callable[[], object]) -> None:
+    assert_refused(make, where, attribute, reason)
+
+
+def test_bodies_that_share_space_with_water_or_walls() -> None:
+    low = np.array([0.0, 0.0])
+    water = Fluid(name="water", shape=box(low, low + 10 * L0), spacing=L0, path="/World/water")
+    drowned = replace(scene(), fluids=(water,))
+    assert_refused(lambda: fill_scene(drowned), "/World/block", "shape", "overlaps /World/water at (")
+    sunk = scene(lump([3, -1], [2, 4], path="/World/post"))
+    assert_refused(lambda: fill_scene(sunk), "/World/post", "shape", "bodies may touch but not share space")
+
+
+def test_threads_are_not_for_water() -> None:
+    for fields in ({}, IMPLICIT):
+        assert_refused_threads(scene(**fields))
+
+
+def assert_refused_threads(made: Scene) -> None:
+    """A coupled run takes one thread, whichever way its bodies go."""
+    with pytest.raises(Exception, match="threads: is 2; fluids take one"):
+        Simulation(made, threads=2)
+
+
+def test_thin_bodies_are_remarked_upon() -> None:
+    """One row has no stiffness in bending; few let the water look through; a finer lattice has more rows."""
+
+    def said(thick: float, ratio: int) -> list[str]:
+        body = Body(name="plate", shape=Box((4 * L0, thick), (0.1, 0.1)), material=SOFT, spacing=L0 / ratio)
+        return [line for line in remarks(pool(body)) if line.startswith("body 'plate'")]
+
+    (alone,) = said(L0, 1)
+    assert "is one particle thick: it stretches, but has no stiffness in bending" in alone
+    (few,) = said(L0, 2)
+    assert "is 1 spacing of the water thick" in few
+    assert "3 keep it apart" in few
+    assert len(said(2 * L0, 1)) == 1
+    assert said(3 * L0, 1) == []
+
+
+def test_probes_look_at_the_material_by_its_quantities() -> None:
+    """At a point of a body; a pressure is the water's, and a displacement needs material there."""
+    inside = (4.5 * L0, 4.5 * L0)
+    good = [Probe(name=name, point=inside, quantity=name) for name in ("displacement", "pressure", "velocity")]
+    good.append(Probe(name="row", region=box(np.full(2, 3 * L0), np.full(2, 5 * L0)), quantity="displacement"))
+    good.append(Probe(name="force", body="lump", quantity="contact_force"))
+    made = scene(probes=tuple(good), duration=0.02)
+    simulation = Simulation(made)
+    simulation.advance(1)
+    found = {probe.name: make_sampler(probe, made, simulation.particles).sample(simulation) for probe in good}
+    p = simulation.particles
+    near = np.linalg.norm(p.positions[: p.elastic] - inside, axis=1).argmin()
+    np.testing.assert_allclose(found["displacement"], simulation.displacements[near], rtol=1e-9)
+    assert found["pressure"].shape == (1,)
+    assert np.abs(found["row"]).max() > 0.0
+    np.testing.assert_allclose(found["force"], simulation.contact_forces[: p.elastic].sum(axis=0), rtol=1e-12)
+    dry = replace(made, probes=(Probe(name="far", point=(0.01, 0.01), path="/World/far"),))
+    assert_refused(lambda: make_sampler(dry.probes[0], dry, p), "/World/far", "point", "")
