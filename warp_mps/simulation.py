@@ -264,6 +264,11 @@ class Simulation:
         return self._once("n", self._system.number_densities)
 
     @property
+    def volumes(self) -> np.ndarray:
+        """Volumes that particles of fluids take up, else 0 [m^d], shape [n]; see `warp_mps.fluid.volumes`."""
+        return self._once("volumes", self._system.volumes)
+
+    @property
     def stresses(self) -> np.ndarray:
         """Cauchy stresses along the scene's axes [Pa], shape [n, 3, 3]; see `warp_mps.elastic.stresses`."""
         return self._once("stress", self._system.stress_fields).stresses

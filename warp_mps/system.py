@@ -33,6 +33,9 @@ class System(Protocol):
     def number_densities(self) -> np.ndarray:
         """Number densities of fluids in units of a full lattice's, else 1 [-], shape [n]."""
 
+    def volumes(self) -> np.ndarray:
+        """Volumes that particles of fluids take up, else 0 [m^d], shape [n]."""
+
     def stress_fields(self) -> Any:
         """Stresses and strains; see `warp_mps.elastic.stresses.StressFields`."""
 

@@ -13,6 +13,7 @@ from warp_mps.fluid.gradient import gradient_kernels
 from warp_mps.fluid.lists import METHOD, list_kernels
 from warp_mps.fluid.motion import motion_kernels
 from warp_mps.fluid.pressure import pressure_kernels
+from warp_mps.fluid.volumes import volume_kernels
 
 
 @pytest.mark.parametrize("precision", PRECISIONS)
@@ -22,7 +23,7 @@ def test_every_kernel_compiles_for_cuda(dimension: int, precision: str, tmp_path
     assert numbers.module(METHOD) in declare_kernels(numbers)
     wp.compile_aot_module(numbers.module(METHOD), arch=80, module_dir=tmp_path, use_ptx=True)
     code = "".join(file.read_text() for file in tmp_path.glob("*.ptx"))
-    made = (list_kernels, pressure_kernels, gradient_kernels, motion_kernels)
+    made = (list_kernels, pressure_kernels, gradient_kernels, motion_kernels, volume_kernels)
     kernels = [
         (make.__name__, name)
         for make in made

@@ -69,7 +69,15 @@ def test_what_a_restored_run_shows_is_what_was_shown() -> None:
     restored = Simulation(splash(2))
     restored.restore(simulation.state_arrays())
     assert np.abs(simulation.internal_forces).max() > 0.0
-    for name in ("positions", "velocities", "pressures", "number_densities", "contact_forces", "internal_forces"):
+    for name in (
+        "positions",
+        "velocities",
+        "pressures",
+        "number_densities",
+        "volumes",
+        "contact_forces",
+        "internal_forces",
+    ):
         np.testing.assert_array_equal(getattr(restored, name), getattr(simulation, name), err_msg=name)
     assert restored.energy == simulation.energy
 
@@ -106,7 +114,7 @@ def test_what_is_shown_is_in_the_order_of_the_particles(monkeypatch: pytest.Monk
     order = sorts.state_arrays()["order"]
     assert not np.array_equal(order, np.arange(len(order)))
     assert np.array_equal(np.sort(order), np.arange(len(order)))
-    for name in ("positions", "velocities", "displacements", "number_densities"):
+    for name in ("positions", "velocities", "displacements", "number_densities", "volumes"):
         a, b = getattr(sorts, name), getattr(never, name)
         np.testing.assert_allclose(a, b, atol=2e-3 * np.abs(b).max(), err_msg=name)
     difference = sorts.pressures - never.pressures
@@ -163,7 +171,7 @@ def test_views_hold_what_observers_ask_for() -> None:
         assert getattr(simulation, name).shape == (n, 3, 3)
     for name in ("rotations", "elastic_torques"):
         assert getattr(simulation, name).shape == (n, 1)
-    for name in ("pressures", "number_densities", "von_mises", "strain_energy_densities"):
+    for name in ("pressures", "number_densities", "volumes", "von_mises", "strain_energy_densities"):
         assert getattr(simulation, name).shape == (n,)
     assert not simulation.reactions.any()
 

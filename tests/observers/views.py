@@ -44,6 +44,7 @@ class FakeView:
     contact_forces: np.ndarray = field(init=False)
     reactions: np.ndarray = field(init=False)
     pressures: np.ndarray = field(init=False)
+    volumes: np.ndarray = field(init=False)
     stresses: np.ndarray = field(init=False)
     strains: np.ndarray = field(init=False)
     von_mises: np.ndarray = field(init=False)
@@ -60,7 +61,7 @@ class FakeView:
         self.von_mises, self.strain_energy_densities = np.zeros((2, count))
         self.rotations = np.zeros((count, 2 * dimension - 3))
         self.angular_velocities = np.zeros((count, 2 * dimension - 3))
-        self.pressures = np.zeros(count)
+        self.pressures, self.volumes = np.zeros((2, count))
 
     @property
     def steps_done(self) -> int:

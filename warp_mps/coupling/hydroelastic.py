@@ -110,6 +110,10 @@ class Hydroelastic:
         """Number densities of fluids in units of a full lattice's, else 1 [-], shape [n]."""
         return self._with_bodies(self.water.number_densities(), self.solid.number_densities())
 
+    def volumes(self) -> np.ndarray:
+        """Volumes that particles of fluids take up, else 0 [m^d], shape [n]."""
+        return self._with_bodies(self.water.volumes(), self.solid.volumes())
+
     def stress_fields(self) -> StressFields:
         """Stresses and strains."""
         wet, dry = self.water.stress_fields(), self.solid.stress_fields()

@@ -225,6 +225,10 @@ class Solid:
         """1, for nothing here is a fluid [-], shape [n]."""
         return np.ones(len(self.state.u))
 
+    def volumes(self) -> np.ndarray:
+        """0, for nothing here is a fluid [m^d], shape [n]."""
+        return np.zeros(len(self.state.u))
+
     def trouble(self) -> str | None:
         """Why the run cannot go on, if it cannot: a contact lacks room."""
         if not self.contacts or (particle := self.contacts.overflowed()) is None:

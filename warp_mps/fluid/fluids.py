@@ -23,6 +23,7 @@ from warp_mps.fluid.operators import operators
 from warp_mps.fluid.pressure import CONSERVATIVE, CORRECTED, KOSHIZUKA_OKA, pressure_kernels
 from warp_mps.fluid.state import FluidState, initial_state
 from warp_mps.fluid.viscous import ImplicitViscosity, viscous_kernels
+from warp_mps.fluid.volumes import volume_kernels
 from warp_mps.particles import Particles
 from warp_mps.rigid.poses import Poses, declare_rigid, moving_runs
 from warp_mps.scene import Scene
@@ -37,7 +38,7 @@ MAX_ITERATIONS = 2000
 
 def declare_kernels(kit: Kit) -> list[str]:
     """Declare every kernel that fluids need, and return the names of their modules."""
-    for declare in (list_kernels, pressure_kernels, gradient_kernels, motion_kernels, viscous_kernels):
+    for declare in (list_kernels, pressure_kernels, gradient_kernels, motion_kernels, viscous_kernels, volume_kernels):
         declare(kit)
     return [kit.module(METHOD), *declare_solver(kit), *declare_multilevel(kit), declare_rigid(kit)]
 

@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 import warp as wp
 
+from warp_mps.core.kit import Kit
 from warp_mps.core.solver import ConjugateGradient, Statistics
 from warp_mps.elastic.stresses import StressFields
 from warp_mps.energy import Energy
@@ -12,6 +13,7 @@ from warp_mps.fluid.lists import NeighbourLists
 from warp_mps.fluid.operators import Operators
 from warp_mps.fluid.state import FluidState
 from warp_mps.fluid.viscous import ImplicitViscosity
+from warp_mps.fluid.volumes import volume_kernels
 from warp_mps.particles import Particles
 from warp_mps.rigid.poses import Poses
 
@@ -41,6 +43,7 @@ class FluidReadings:
     _courant: float
     _spacing: float
     _device: Any
+    _kit: Kit
 
     def positions(self) -> np.ndarray:
         """Positions [m], shape [n, d]."""
@@ -63,6 +66,15 @@ class FluidReadings:
         """Number densities in units of a full lattice's, 1 on walls [-], shape [n]."""
         fluid = self._ordered(self.state.n.numpy()) / self.operators.number_density
         return np.concatenate((np.ones(self._walls), fluid))
+
+    def volumes(self) -> np.ndarray:
+        """Volumes that the fluid's particles take up, 0 on walls [m^d], shape [n]; see `warp_mps.fluid.volumes`."""
+        state, ops = self.state, self.operators
+        shares = wp.zeros(self._m, dtype=state.n.dtype, device=self._device)
+        inputs = [self._walls, self.lists.period, ops.radius, self._spacing, ops.number_density, float(ops.neighbours)]
+        inputs += [*self._listed(), state.x, state.lost]
+        self._launch(volume_kernels(self._kit).take_up, self._m, inputs, [shares])
+        return np.concatenate((np.zeros(self._walls), self._volume * self._ordered(shares.numpy())))
 
     def contact_forces(self) -> np.ndarray:
         """Force of the fluid on the walls' particles, its mean over the last interval [N], shape [n, d]."""

@@ -71,6 +71,10 @@ class View(Protocol):
         """Pressures [Pa], shape [n]."""
 
     @property
+    def volumes(self) -> np.ndarray:
+        """Volumes that particles of fluids take up, else 0 [m^d], shape [n]."""
+
+    @property
     def stresses(self) -> np.ndarray:
         """Cauchy stresses [Pa], shape [n, 3, 3]; in 2-D the third axis is the normal of the plane."""
 

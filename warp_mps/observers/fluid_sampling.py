@@ -10,8 +10,6 @@ With the weight w(r) = (1 - r/r_e)^2 of the effective radius r_e, at a point x t
   `_smooth`, is half of its largest on the line. On a plane surface that is half a spacing above its particles.
 
 Over a region both are the plain mean over the fluid particles that lie in it.
-
-- ``volume``: that of the space where the fluid's smoothed density is above half of that inside a lattice.
 """
 
 from __future__ import annotations
@@ -27,14 +25,10 @@ from warp_mps.scene import Probe, Scene
 from warp_mps.shapes import Shape, contains
 
 Sample = Callable[[View], np.ndarray]
-# reach of the smoothed density, in particle spacings, and points a spacing at which it is looked at; a longer reach
-# keeps single drops out, a shorter one sees better how the particles drift apart
+# reach of the smoothed density, in particle spacings, which keeps single drops out, and points a spacing at which it is
+# looked at
 SURFACE_REACH = 2.5
-VOLUME_REACH = 2.0
 SURFACE_POINTS = 4
-VOLUME_POINTS = 2
-# of the smoothed density across a plane surface, times the reach: 1.16 in 2-D and 1.23 in 3-D
-SLOPE = 1.2
 
 
 def sample_of_fluid(probe: Probe, scene: Scene, particles: Particles) -> Sample:
@@ -47,36 +41,6 @@ def sample_of_fluid(probe: Probe, scene: Scene, particles: Particles) -> Sample:
         return lambda view: _elevation(view.positions[fluid], locate(view), scene)
     reach = scene.flow.radius(scene.dimension) * scene.fluids[0].spacing
     return lambda view: _shepard(probe.quantity, view, fluid, locate(view), reach)
-
-
-def volume(positions: np.ndarray, spacing: float) -> float:
-    """Volume of the space where the smoothed density of particles is above half of that inside a lattice [m^d]."""
-    dimension = positions.shape[1]
-    step = spacing / VOLUME_POINTS
-    reach = int(np.ceil(VOLUME_REACH * VOLUME_POINTS))
-    places = (positions - positions.min(axis=0)) / step
-    cells = np.floor(places).astype(np.int64)
-    middles = cells + 0.5 - places
-    for axis in range(dimension):
-        cells[:, axis] = _without_gaps(cells[:, axis], 2 * reach + 1)
-    shape = cells.max(axis=0) + 2 * reach + 1
-    strides = np.append(np.cumprod(shape[:0:-1])[::-1], 1)
-    density = np.zeros(int(np.prod(shape)))
-    offsets = np.stack(np.meshgrid(*[np.arange(-reach, reach + 1)] * dimension, indexing="ij"), -1)
-    for offset in offsets.reshape(-1, dimension):
-        if np.linalg.norm(np.maximum(abs(offset) - 0.5, 0.0)) >= VOLUME_REACH * VOLUME_POINTS:
-            continue
-        weights = _smooth(np.sum((middles + offset) ** 2, axis=1) / VOLUME_POINTS**2, VOLUME_REACH)
-        density += np.bincount((cells + offset + reach) @ strides, weights, minlength=len(density))
-    # a cell that a plane surface cuts counts by the part of it that lies inside
-    parts = (density / _full(dimension) - 0.5) / (SLOPE / (VOLUME_REACH * VOLUME_POINTS)) + 0.5
-    return float(np.clip(parts, 0.0, 1.0).sum() * step**dimension)
-
-
-def _without_gaps(cells: np.ndarray, widest: int) -> np.ndarray:
-    """Numbers of cells along an axis, empty stretches cut to a width: one stray particle must not cost a grid."""
-    used, places = np.unique(cells, return_inverse=True)
-    return np.concatenate(([0], np.cumsum(np.minimum(np.diff(used), widest))))[places]
 
 
 def _of_region(quantity: str, region: Shape, fluid: slice, scene: Scene) -> Sample:
@@ -131,20 +95,13 @@ def _elevation(positions: np.ndarray, point: np.ndarray, scene: Scene) -> np.nda
         return np.atleast_1d(point @ up)
     heights, beside = heights[column], beside[column] / spacing**2
     levels = np.arange(heights.max() + SURFACE_REACH * spacing, heights.min(), -spacing / SURFACE_POINTS)
-    density = _smooth(((levels[:, None] - heights) / spacing) ** 2 + beside, SURFACE_REACH).sum(axis=1)
+    density = _smooth(((levels[:, None] - heights) / spacing) ** 2 + beside).sum(axis=1)
     half = 0.5 * density.max()
     k = int(np.argmax(density >= half))
     part = (density[k] - half) / (density[k] - density[k - 1]) if k else 0.0
     return np.atleast_1d(point @ up + levels[k] + part * spacing / SURFACE_POINTS)
 
 
-def _smooth(squares: np.ndarray, reach: float) -> np.ndarray:
+def _smooth(squares: np.ndarray) -> np.ndarray:
     """The kernel (1 - (r/R)^2)^3 of the squared distance, R the reach, both in spacings."""
-    return np.maximum(1.0 - squares / reach**2, 0.0) ** 3
-
-
-def _full(dimension: int) -> float:
-    """The smoothed density inside a lattice, as the mean over places between its particles."""
-    # the integral of the kernel over its circle or ball, in units of the spacing
-    unit = np.pi / 4.0 if dimension == 2 else 64.0 * np.pi / 315.0
-    return float(unit * VOLUME_REACH**dimension)
+    return np.maximum(1.0 - squares / SURFACE_REACH**2, 0.0) ** 3

@@ -12,7 +12,7 @@ from warp_mps.components import TENSORS, component_names, tensor_places
 from warp_mps.errors import InputError
 from warp_mps.fluid_checks import is_in_fluid
 from warp_mps.observers.base import View
-from warp_mps.observers.fluid_sampling import sample_of_fluid, volume
+from warp_mps.observers.fluid_sampling import sample_of_fluid
 from warp_mps.observers.interpolation import interpolate
 from warp_mps.observers.rigid_point import rigid_point
 from warp_mps.particles import Particles, select
@@ -103,7 +103,7 @@ def _of_body(probe: Probe, particles: Particles) -> Sample:
         "extent": lambda view: np.ptp(view.positions[indices], axis=0) + width,
         "lowest": lambda view: view.positions[indices].min(axis=0) - 0.5 * width,
         "highest": lambda view: view.positions[indices].max(axis=0) + 0.5 * width,
-        "volume": lambda view: np.atleast_1d(volume(view.positions[indices], width)),
+        "volume": lambda view: np.atleast_1d(view.volumes[indices].sum()),
     }
     if probe.quantity == "contact_moment":
         return _contact_moment(probe, particles, indices)
