@@ -9,11 +9,16 @@ import pytest
 from PIL import Image
 
 from tests.app.results import SPACE, write_result
+from tests.scenes import RUBBER
 from warp_mps.app.cli import main
 from warp_mps.app.colours import WALL, choose, usual_range
 from warp_mps.app.picture import Look, Painter, find_frame
 from warp_mps.app.result import Animation
 from warp_mps.app.video import pace
+from warp_mps.particles import fill_scene
+from warp_mps.scene import Body, Fluid, Scene
+from warp_mps.shapes import Box
+from warp_mps.usd.animation import AnimationWriter
 
 SIZE = ("--size", "360", "240")
 
@@ -140,6 +145,25 @@ def test_labels_have_units(plane: Path) -> None:
     assert (speed.label, speed.low, speed.high) == ("speed [m/s]", 0.0, 2.0)
     beyond = choose(animation, "pressure", (100.0, 300.0))
     assert (beyond.below, beyond.above) == (True, True)
+
+
+def test_in_coupled_runs_the_pressure_is_that_of_the_water(tmp_path: Path) -> None:
+    water = Fluid(name="water", shape=Box((0.2, 0.2), center=(1.0, 0.0)), spacing=0.1)
+    block = Body(name="block", shape=Box((0.2, 0.2)), material=RUBBER, spacing=0.1)
+    scene = Scene(bodies=(block,), fluids=(water,), gravity=(0.0, -9.81), duration=1.0)
+    particles = fill_scene(scene)
+    writer = AnimationWriter(
+        tmp_path / "run.usdc", particles, scene.frame, frame_rate=1.0, provenance={}, primvars=("pressure", "von_mises")
+    )
+    values = np.array([1e6] * 4 + [300.0, 200.0, 400.0, 0.0])
+    writer.write(0.0, particles.positions, particles.velocities, pressure=values, von_mises=values)
+    writer.close()
+    animation = Animation(tmp_path)
+    colouring = choose(animation)
+    assert (colouring.name, colouring.low, colouring.high) == ("pressure", 0.0, 400.0)
+    assert np.array_equal(colouring.colors(animation, 0, 0), np.tile(animation.clouds[0].color, (4, 1)))
+    assert len(np.unique(colouring.colors(animation, 1, 0), axis=0)) == 4
+    assert choose(animation, "von_mises").high == 1e6
 
 
 def test_find_frame(plane: Path) -> None:

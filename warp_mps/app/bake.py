@@ -25,7 +25,7 @@ def convert_to_usd(
 
     Args:
         folder: Folder of the run.
-        colour: ``speed`` or a quantity of the run; None is the von Mises stress, or else the pressure.
+        colour: ``speed`` or a quantity of the run; None is as for pictures.
         limits: Values of the first and the last colour [SI units]; None takes them from the run.
         overwrite: Whether to replace the file.
 

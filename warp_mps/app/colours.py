@@ -19,7 +19,7 @@ SEQUENTIAL = LinearSegmentedColormap.from_list(
 # and for values of both
 DIVERGING = mpl.colormaps["coolwarm"]
 NAMES = {"von_mises": "von Mises stress", "strain_energy": "strain energy"}
-WALL, PLAIN = np.array([0.78, 0.79, 0.80]), np.array([0.62, 0.65, 0.69])
+WALL = np.array([0.78, 0.79, 0.80])
 # percentage of the values beyond the range of the colours at either end
 BEYOND = 0.3
 PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"))
@@ -67,7 +67,7 @@ class Colouring:
         if self.name == "body":
             return np.tile(item.color, (len(item.ids), 1))
         if not colourable(animation, cloud, self.name):
-            return np.tile(WALL if item.role == "wall" else PLAIN, (len(item.ids), 1))
+            return np.tile(WALL if item.role == "wall" else item.color, (len(item.ids), 1))
         share = (values(animation, cloud, frame, self.name) - self.low) / (self.high - self.low)
         return np.asarray(self.colormap(np.clip(share, 0.0, 1.0))[:, :3])
 
@@ -77,7 +77,8 @@ def choose(animation: Animation, name: str | None = None, limits: tuple[float, f
 
     Args:
         animation: The run.
-        name: ``body``, ``speed`` or a quantity of the run; None is the von Mises stress, or else the pressure.
+        name: ``body``, ``speed`` or a quantity of the run; None is the pressure of fluids, and without any
+            the von Mises stress or else the pressure.
         limits: Values of the first and the last colour [SI units]; None takes them from the run.
 
     Raises:
@@ -85,7 +86,8 @@ def choose(animation: Animation, name: str | None = None, limits: tuple[float, f
     """
     known = ["body", "speed", *sorted({scalar for cloud in animation.clouds for scalar in cloud.scalars})]
     if name is None:
-        name = next(word for word in ("von_mises", "pressure", "speed") if word in known)
+        choices = ("pressure", "speed") if _has_fluid(animation) else ("von_mises", "pressure", "speed")
+        name = next(word for word in choices if word in known)
     if name not in known:
         raise InputError("--colour", "", f"is {name}, which is not in {animation.path}: it has {', '.join(known)}")
     if limits is not None and not (math.isfinite(limits[1] - limits[0]) and limits[0] < limits[1]):
@@ -101,9 +103,19 @@ def choose(animation: Animation, name: str | None = None, limits: tuple[float, f
 
 
 def colourable(animation: Animation, cloud: int, name: str) -> bool:
-    """Whether the particles of a cloud are coloured by a quantity; walls are the background, and stay grey."""
+    """Whether the particles of a cloud are coloured by a quantity.
+
+    Walls are the background, and stay grey. Where there are fluids, the pressure is theirs: that in bodies is another
+    thing, and often another size.
+    """
     item = animation.clouds[cloud]
-    return item.role != "wall" and (name == "speed" or name in item.scalars)
+    if item.role == "wall" or (name == "pressure" and item.role == "body" and _has_fluid(animation)):
+        return False
+    return name == "speed" or name in item.scalars
+
+
+def _has_fluid(animation: Animation) -> bool:
+    return any(cloud.role == "fluid" for cloud in animation.clouds)
 
 
 def values(animation: Animation, cloud: int, frame: int, name: str) -> np.ndarray:

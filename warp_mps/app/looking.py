@@ -13,7 +13,10 @@ Folder = Annotated[Path, arg(metavar="DIR", help="Folder of a run, such as runs/
 Overwrite = Annotated[bool, arg(help="Replace files that are there.")]
 Colour = Annotated[
     str | None,
-    arg(metavar="NAME", help="body, speed, pressure or another output; default: von_mises if there, else pressure."),
+    arg(
+        metavar="NAME",
+        help="body, speed, pressure or another output; default: pressure of fluids, or else von_mises if there.",
+    ),
 ]
 Limits = Annotated[
     tuple[float, float] | None,
