@@ -111,6 +111,17 @@ class Browser:
         for kind in ("mousePressed", "mouseReleased") if press else ():
             self.call("Input.dispatchMouseEvent", type=kind, x=x, y=y, button="left", clickCount=1)
 
+    def drag(self, x: float, y: float, dx: float, dy: float, *, button: str = "left") -> None:
+        """Press the mouse at a place of the window, move it, and let go [pixels]."""
+        for kind, part in (("mousePressed", 0.0), ("mouseMoved", 0.5), ("mouseMoved", 1.0), ("mouseReleased", 1.0)):
+            place = {"x": x + part * dx, "y": y + part * dy}
+            held = {"left": 1, "right": 2}[button] if kind != "mouseReleased" else 0
+            self.call("Input.dispatchMouseEvent", type=kind, **place, button=button, buttons=held, clickCount=1)
+
+    def wheel(self, x: float, y: float, by: float) -> None:
+        """Turn the wheel at a place of the window [pixels]; negative values are away from who turns."""
+        self.call("Input.dispatchMouseEvent", type="mouseWheel", x=x, y=y, deltaX=0, deltaY=by)
+
     def picture(self, *, whole: bool = False) -> bytes:
         """The page, or what the window shows of it, as a PNG file."""
         return base64.b64decode(self.call("Page.captureScreenshot", captureBeyondViewport=whole)["data"])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -134,6 +135,65 @@ def test_space_is_turned_cut_and_stretched(browser: Browser, tmp_path: Path) -> 
     # three times the 0.04 m that the block has risen, above its centre's 0
     heights = page.run("[...Array(16).keys()].map((i) => report.scene.place(report.scene.clouds[0], i)[1])")
     assert np.mean(heights) == pytest.approx(0.12, abs=1e-4)
+    assert page.console == []
+
+
+def test_the_mouse_turns_moves_and_zooms(browser: Browser, tmp_path: Path) -> None:
+    write_run(tmp_path, frame=SPACE)
+    page = show(browser, tmp_path)
+    page.run("report.scene.canvas.scrollIntoView({ block: 'center' })")
+    x, y = page.run("(() => { const b = report.scene.canvas.getBoundingClientRect(); return [b.x + 90, b.y + 90] })()")
+    start = camera(page)
+    page.drag(x, y, 60, 30)
+    turned = camera(page)
+    assert turned["azimuth"] < start["azimuth"] - 0.1
+    assert turned["elevation"] > start["elevation"] + 0.05
+    assert turned["target"] == start["target"]
+    page.drag(x, y, 60, 0, button="right")
+    moved = camera(page)
+    assert moved["azimuth"] == turned["azimuth"]
+    assert np.linalg.norm(np.subtract(moved["target"], turned["target"])) > 0.01
+    page.wheel(x, y, -240)
+    assert camera(page)["distance"] < 0.9 * moved["distance"]
+    page.call("Input.dispatchMouseEvent", type="mousePressed", x=x, y=y, button="left", clickCount=2)
+    page.call("Input.dispatchMouseEvent", type="mouseReleased", x=x, y=y, button="left", clickCount=2)
+    again = camera(page)
+    assert again["distance"] == pytest.approx(start["distance"], rel=0.3)
+    assert again["azimuth"] == turned["azimuth"]
+    assert page.console == []
+
+
+def camera(page: Browser) -> dict[str, Any]:
+    """The camera, after all that the page was told has been heard."""
+    page.run("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
+    return page.run(
+        "(({ azimuth, elevation, distance, target }) => ({ azimuth, elevation, distance, target }))(report.camera)"
+    )
+
+
+def test_colours_stand_for_what_is_asked(browser: Browser, tmp_path: Path) -> None:
+    write_run(tmp_path)
+    page = show(browser, tmp_path)
+    page.run("report.controls.choose('pressure')")
+    marks = "[...document.querySelectorAll('#colorbar text')].map((item) => item.textContent)"
+    assert page.run(marks) == ["0", "200", "400", "600", "800"]
+    page.click("#now")
+    assert page.run("report.colors.range") == pytest.approx([0.0, 700.0], abs=0.02)
+    for field, value in (("lowest", "100"), ("highest", "5e2")):
+        page.run(f"(() => {{ document.querySelector('#{field}').value = '{value}' }})()")
+        page.run(f"document.querySelector('#{field}').dispatchEvent(new Event('change'))")
+    assert page.run("report.colors.range") == [100.0, 500.0]
+    assert page.run(marks) == ["\u2264 100", "200", "300", "400", "\u2265 500"]
+    # the ends of the range are the ends of the map
+    scaled = "((number) => number * report.colors.scaling()[0] + report.colors.scaling()[1])"
+    assert page.run(f"{scaled}(65535 * 100 / 702)") == pytest.approx(0.0, abs=1e-6)
+    assert page.run(f"{scaled}(65535 * 500 / 702)") == pytest.approx(1.0, abs=1e-6)
+    page.run("(() => { document.querySelector('#lowest').value = 'much' })()")
+    page.run("document.querySelector('#lowest').dispatchEvent(new Event('change'))")
+    assert page.run("report.colors.range") == [100.0, 500.0]
+    assert page.run("document.querySelector('#lowest').classList.contains('wrong')")
+    page.run("report.controls.choose('')")
+    assert page.run("document.querySelector('#colorbar').textContent") == ""
     assert page.console == []
 
 

@@ -11,6 +11,7 @@ from tests.app.report.runs import write_water
 from tests.app.results import SPACE, write_result
 from warp_mps.app.cli import main
 from warp_mps.app.report import frames as module
+from warp_mps.app.report import room
 from warp_mps.app.report.frames import make_frames
 from warp_mps.app.report.quantities import range_of
 from warp_mps.app.result import Animation
@@ -88,12 +89,12 @@ def test_a_run_of_which_nothing_is_anywhere_has_a_page(tmp_path: Path) -> None:
 def test_a_drop_that_flies_far_does_not_make_the_rest_small(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     write_water(tmp_path)
     # of 4 frames of 48 particles a percent is two
-    monkeypatch.setattr(module, "DROPS", 1.0)
+    monkeypatch.setattr(room, "DROPS", 1.0)
     facts = make_frames(Animation(tmp_path)).facts
     # the wall counts as a whole
     assert facts["seen"][0] == pytest.approx([-0.35, -0.55])
     assert facts["seen"][1] == pytest.approx([0.35, 0.25])
-    monkeypatch.setattr(module, "DROPS", 20.0)
+    monkeypatch.setattr(room, "DROPS", 20.0)
     facts = make_frames(Animation(tmp_path)).facts
     assert facts["seen"][1] == pytest.approx([0.35, 0.15])
 

@@ -23,12 +23,10 @@ class Packed:
 
     Attributes:
         order: Number of times that differences were taken.
-        bytes: Bytes a number, 1 or 2.
         text: Base64 of zlib's format.
     """
 
     order: int
-    bytes: int
     text: str
 
 
@@ -48,7 +46,7 @@ def pack(numbers: np.ndarray) -> Packed:
         found.append((len(data), order, data))
         differences = np.diff(differences, axis=0, prepend=np.zeros_like(differences[:1]))
     _, order, data = min(found)
-    return Packed(order, 2 if numbers.max(initial=0) > 255 else 1, base64.b64encode(data).decode("ascii"))
+    return Packed(order, base64.b64encode(data).decode("ascii"))
 
 
 def _planes(numbers: np.ndarray) -> bytes:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -10,6 +9,7 @@ import numpy as np
 
 from warp_mps.app.report.encode import MISSING, Packed, pack, quantize
 from warp_mps.app.report.quantities import Range, quantities, range_of, title_of, unit_of
+from warp_mps.app.report.room import axes_of, box_of, seen_of
 from warp_mps.app.result import Animation, Cloud
 
 # by the name of a quantity and the number of a cloud
@@ -18,10 +18,6 @@ Table = dict[str, dict[int, np.ndarray]]
 MOST_POSITIONS, MOST_VALUES = 2_500_000, 10_000_000
 # values up to which they are kept in 16 bits; more of them in 8, without those far off
 FINE_VALUES = 2_000_000
-# a part of a run that flies off further than this many sizes of the rest is left out of the picture
-FAR = 1.0
-# percentage of a fluid's particles that may leave the picture at either side
-DROPS = 0.2
 # a run is shown for at least this time, if that takes two frames a second or more [s]
 SHORTEST = 3.0
 
@@ -43,20 +39,20 @@ class Frames:
     def add(self, packed: Packed) -> dict[str, int]:
         """Take an array in, and return what says where it is."""
         self.blocks.append(packed.text)
-        return {"block": len(self.blocks) - 1, "order": packed.order, "bytes": packed.bytes}
+        return {"block": len(self.blocks) - 1, "order": packed.order}
 
 
 def make_frames(animation: Animation) -> Frames:
     """Read and pack the animation of a run."""
     numbers = [number for number, cloud in enumerate(animation.clouds) if len(cloud.ids)]
-    moving = sum(len(animation.clouds[number].ids) for number in numbers if not _is_wall(animation.clouds[number]))
+    moving = sum(len(animation.clouds[number].ids) for number in numbers if _moves(animation, number))
     chosen = _choose_frames(len(animation), moving)
     points = {n: np.stack([animation.points(n, k) for k in chosen]).astype(np.float32) for n in numbers}
-    axes = _axes(points, animation.up_axis)
+    axes = axes_of(points, animation.up_axis)
     columns = ["xyz".index(axis) for axis in axes]
     places = {n: animation.meters_per_unit * value[..., columns] for n, value in points.items()}
-    low, high = _box(places)
-    seen = _seen(places, [n for n in numbers if animation.clouds[n].role == "fluid"])
+    low, high = box_of(places)
+    seen = seen_of(places, [n for n in numbers if animation.clouds[n].role == "fluid"])
     frames = Frames(
         {
             "axes": axes,
@@ -82,6 +78,12 @@ def make_frames(animation: Animation) -> Frames:
     return frames
 
 
+def _moves(animation: Animation, number: int) -> bool:
+    """Whether a cloud is elsewhere in any of some frames."""
+    start = animation.points(number, 0)
+    return any(not np.array_equal(animation.points(number, frame), start) for frame in animation.some_frames())
+
+
 def _is_wall(cloud: Cloud) -> bool:
     return cloud.role == "wall"
 
@@ -90,45 +92,6 @@ def _choose_frames(count: int, particles: int) -> list[int]:
     """Numbers of the frames that are shown, equally far apart, the last one among them."""
     every = max(1, -(-count * particles // MOST_POSITIONS))
     return sorted(range(count - 1, -1, -every))
-
-
-def _axes(points: Mapping[int, np.ndarray], up_axis: str) -> str:
-    """The stage's axes along which the scene lies; in a plane the one to the right, then the one upwards."""
-    flat = [all(np.ptp(value[..., axis]) == 0.0 for value in points.values()) for axis in range(3)]
-    if not any(flat):
-        return "xyz"
-    up = up_axis.lower()
-    # a row of particles is flat along two axes: the plane is then any that holds it
-    normal = next((axis for axis in ("zyx" if up == "y" else "yxz") if flat["xyz".index(axis)]), "z")
-    rest = [axis for axis in "xyz" if axis != normal]
-    return "".join(sorted(rest, key=lambda axis: axis == up))
-
-
-def _box(places: Mapping[int, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
-    """The corners of a box around all particles, without those that fly far off [m]."""
-    every = np.concatenate([_somewhere(value) for value in places.values()])
-    if not len(every):
-        return np.zeros(every.shape[1]), np.ones(every.shape[1])
-    inner = np.percentile(every, [0.2, 99.8], axis=0)
-    reach = FAR * max(float(np.ptp(inner, axis=0).max()), 1e-12)
-    low, high = np.maximum(every.min(axis=0), inner[0] - reach), np.minimum(every.max(axis=0), inner[1] + reach)
-    return low.astype(float), high.astype(float)
-
-
-def _seen(places: Mapping[int, np.ndarray], fluids: list[int]) -> np.ndarray:
-    """The corners of what a picture should show: everything but single drops that fly far, shape [2, dimension]."""
-    corners = []
-    for number, value in places.items():
-        every, off = _somewhere(value), DROPS if number in fluids else 0.0
-        if len(every):
-            corners.append(np.percentile(every, [off, 100.0 - off], axis=0))
-    return np.array([np.min(corners, axis=0)[0], np.max(corners, axis=0)[1]]) if corners else np.array(_box(places))
-
-
-def _somewhere(places: np.ndarray) -> np.ndarray:
-    """The places that are any, shape [n, dimension]."""
-    every = places.reshape(-1, places.shape[-1])
-    return every[np.isfinite(every).all(axis=1)]
 
 
 def _pack_places(frames: Frames, places: np.ndarray, low: np.ndarray, high: np.ndarray) -> dict[str, int]:

@@ -28,7 +28,7 @@ SCRIPTS = ("data", "colors", "camera", "shaders", "scene", "pick", "plots", "con
 MORE_MAPS = ("viridis", "cividis", "turbo")
 
 
-def write_report(folder: Path, path: Path, *, reload: float | None = None) -> Run:
+def write_report(folder: Path, path: Path, *, reload: float | None = None) -> tuple[str, tuple[str, ...]]:
     """Write the page of a run.
 
     Args:
@@ -37,7 +37,8 @@ def write_report(folder: Path, path: Path, *, reload: float | None = None) -> Ru
         reload: Seconds after which an open page loads itself anew while the run goes on; None is never.
 
     Returns:
-        What was found in the folder.
+        State of the run and what is missing of it, as `Run` has them. The animation is let go of: a file that is held
+        open cannot be replaced everywhere.
 
     Raises:
         InputError: There is no run in the folder, or the file cannot be written.
@@ -49,7 +50,7 @@ def write_report(folder: Path, path: Path, *, reload: float | None = None) -> Ru
         write_whole(path, text)
     except OSError as error:
         raise InputError(str(path), "", f"cannot be written: {error.strerror}") from error
-    return run
+    return run.state, run.remarks
 
 
 def page(run: Run, *, reload: float | None = None) -> str:

@@ -29,11 +29,11 @@ def report_run(folder: Path, out: Path | None = None, *, overwrite: bool = False
     if interval is not None and not (math.isfinite(interval) and interval >= 1.0):
         raise InputError("--interval", "", f"is {interval:g}, must be 1 or more seconds")
     refuse_existing(path, overwrite)
-    run = write_report(folder, path, reload=interval)
+    state, remarks = write_report(folder, path, reload=interval)
     print(path, flush=True)
-    while interval is not None and run.state == "running":
+    while interval is not None and state == "running":
         time.sleep(interval)
-        run = write_report(folder, path, reload=interval)
-    for remark in run.remarks:
+        state, remarks = write_report(folder, path, reload=interval)
+    for remark in remarks:
         print(f"  {remark}")
     return 0
