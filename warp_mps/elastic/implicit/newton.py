@@ -53,11 +53,12 @@ class NewtonStatistics:
 
 
 class _Look(NamedTuple):
-    """What the host sees of a state: norm of the residual, of its measure, and the potential."""
+    """What the host sees of a state: norm of the residual, of its measure, the potential, and what it is the sum of."""
 
     residual: float
     scale: float
     potential: float
+    terms: float
 
 
 class Newton:
@@ -178,7 +179,11 @@ class Newton:
             self._step.fill_(part)
             now = self._look("try", self._try)
             slack = self._rounding * (abs(start.potential) + abs(now.potential) + slope)
-            falls = now.potential <= start.potential - ARMIJO * part * slope + slack
+            wanted = start.potential - ARMIJO * part * slope + slack
+            falls = now.potential <= wanted
+            if not falls and now.residual < start.residual:
+                # the weight of a body that floats far from where it began is much larger than what changes
+                falls = now.potential <= wanted + self._rounding * (start.terms + now.terms)
             if falls or (jumps and math.isfinite(now.potential)):
                 return now, part == 1.0
             # of the parabola through what is known, within bounds
@@ -194,6 +199,8 @@ class Newton:
             residual=math.sqrt(numbers[names.RESIDUAL]),
             scale=math.sqrt(numbers[names.SCALE]),
             potential=0.5 * float(numbers[names.POTENTIAL]),
+            # at least the sum of the particles' magnitudes
+            terms=0.5 * math.sqrt(self._n * float(numbers[names.POTENTIAL + 1])),
         )
 
     def _evaluate(self) -> None:
@@ -207,7 +214,7 @@ class Newton:
         self._launch(self._kernels.residual, inputs, outputs)
         self._note(names.RESIDUAL, self._sums[0].launch(self._residual, self._residual, self._change))
         self._note(names.SCALE, self._sums[0].launch(self._scale, self._scale, self._scale))
-        self._note(names.POTENTIAL, self._sums[1].launch(self._ones, self._potential, self._ones))
+        self._note(names.POTENTIAL, self._sums[1].launch(self._potential, self._ones, self._potential))
 
     def _direct(self) -> None:
         """The change that the tangent at the present state asks for."""

@@ -16,7 +16,7 @@ from warp_mps.core.kit import Kit
 from warp_mps.elastic.implicit.tangent import METHOD
 
 # What the host reads: the square of the residual, r . du, the square of what the residual is measured by, and twice the
-# potential; sums come in pairs, so that there is room for one more.
+# potential; sums come in pairs, so that the sum of the squares of what the potential is made of comes last.
 RESIDUAL, SLOPE, SCALE, POTENTIAL, NUMBERS = 0, 1, 2, 3, 5
 
 
