@@ -25,7 +25,7 @@ SHIPPED = (
 def seeds() -> dict[str, str]:
     """Texts of sound stages, by name: shipped ones, and some with what none of these has."""
     cases = shipped_cases()
-    made = {"implicit": _implicit(), "mesh": _mesh(), "points": _points(), "tank": _tank()}
+    made = {"implicit": _implicit(), "mesh": _mesh(), "points": _points(), "tank": _tank(), "gate": _gate()}
     with tempfile.TemporaryDirectory() as scratch:
         for name, scene in made.items():
             cases[name] = Path(scratch) / f"{name}.usda"
@@ -59,6 +59,14 @@ def _points() -> Scene:
     at = np.stack(np.meshgrid(np.arange(6.0), np.arange(4.0), indexing="ij"), axis=2).reshape(-1, 2) * 0.01
     cloud = Points(at + np.array([0.1, 0.0]), np.full_like(at, -0.5))
     return scene_of(block(2), Body(name="cloud", shape=cloud, material=RUBBER, spacing=0.01))
+
+
+def _gate() -> Scene:
+    """Water that leans on an elastic plate."""
+    plate = Body(name="plate", shape=Box((0.04, 0.2), (0.18, 0.1)), material=STEEL, spacing=0.02)
+    clamp = Support(name="clamp", region=Box((0.04, 0.04), (0.18, 0.02)))
+    probe = Probe(name="push", quantity="contact_force", body="plate")
+    return tank((8, 6), room=(12, 10), bodies=(plate,), supports=(clamp,), probes=(probe,))
 
 
 def _tank() -> Scene:

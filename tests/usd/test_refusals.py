@@ -117,6 +117,23 @@ def test_refusals_name_the_prim_and_the_attribute(
     assert reason in error.reason
 
 
+@pytest.mark.parametrize(
+    ("parts", "expected"),
+    [
+        ({"Beam": ("double mps:spacing = -1",)}, "/Beam mps:spacing: is -0.01, must be finite and above 0 (numbers in"),
+        ({"Beam": ("double size = -5",)}, "/Beam size: must be positive, not -0.05 (numbers in metres"),
+        ({"Scene": ("double mps:duration = -1",)}, "/Scene mps:duration: is -1, must be finite and above 0"),
+    ],
+)
+def test_numbers_of_a_stage_in_centimetres_are_told_in_metres_and_said_to_be(
+    tmp_path: Path, parts: dict, expected: str
+) -> None:
+    text = str(refusal(write(tmp_path, length=0.01, **parts)))
+    assert text.startswith(expected)
+    assert text.endswith(" (numbers in metres; the stage's unit is 0.01 m)") == ("numbers" in expected)
+    assert "numbers in" not in str(refusal(write(tmp_path, **parts)))
+
+
 def test_a_wrong_type_is_named_also_where_a_schema_gives_the_right_one(tmp_path: Path) -> None:
     path = write(tmp_path, Beam=('string mps:spacing = "0.1"',))
     path.write_text(path.read_text().replace('def Cube "Beam"', 'def Cube "Beam" ( apiSchemas = ["MpsBodyAPI"] )'))

@@ -73,7 +73,8 @@ def read_shape(prim: Usd.Prim, frame: Frame, inner_radius: float = 0.0) -> Shape
             raise InputError(path, "mps:innerRadius", f"is of a Cylinder, not of a {kind}")
         return _READERS[kind](prim, frame, placement)
     except InputError as error:
-        raise InputError(path, stage_error(error).attribute, error.reason) from None
+        said = stage_error(error, frame.stage)
+        raise InputError(path, said.attribute, said.reason) from None
 
 
 def _box(prim: Usd.Prim, frame: Frame, placement: np.ndarray) -> Shape:

@@ -56,12 +56,15 @@ def read_stage(path: str | Path, *, overrides: Mapping[str, str] | None = None, 
     stage = open_stage(path, overrides=overrides, allow_external=allow_external)
     # numbers that are too large for a computer are refused as such wherever they come out
     with quiet(), np.errstate(all="ignore"):
+        units = None
         try:
-            scene = _Reader(stage, str(path)).scene(Path(path).stem)
+            reader = _Reader(stage, str(path))
+            units = reader.frame.stage
+            scene = reader.scene(Path(path).stem)
             for item in scene.filled:
                 _check_lattice(item, scene.dimension)
         except InputError as error:
-            raise stage_error(error) from None
+            raise stage_error(error, units) from None
         except (Tf.ErrorException, UnicodeDecodeError) as error:
             raise InputError(str(path), "", f"cannot be read: {reason_of(error)}") from None
     return scene
