@@ -30,6 +30,7 @@ _CODE = re.compile(
     rb"|@@@.*?@@@|@[^@\n]*@|#[^\n]*|//[^\n]*|/\*.*?\*/|.",
     re.DOTALL,
 )
+_NO_BRACKETS = bytes({*range(256)} - {*b"([{}])"})
 # a scheme, as of http://, but not the letter of a drive
 _SCHEME = re.compile(r"[A-Za-z][A-Za-z0-9+.-]+:")
 
@@ -168,9 +169,10 @@ def _is_binary(file: str) -> bool:
 
 def _depth(code: bytes) -> int:
     """The most brackets that are in each other."""
-    letters = np.frombuffer(code, np.uint8)
-    steps = np.isin(letters, list(b"([{")).astype(np.int8) - np.isin(letters, list(b")]}")).astype(np.int8)
-    return int(np.cumsum(steps, dtype=np.int64).max(initial=0))
+    brackets = np.frombuffer(code.translate(None, _NO_BRACKETS), np.uint8)
+    steps = np.where(np.isin(brackets, np.frombuffer(b"([{", np.uint8)), 1, -1)
+    heights = np.cumsum(np.append(0, steps))
+    return int((heights - np.minimum.accumulate(heights)).max())
 
 
 def reason_of(error: Exception) -> str:
