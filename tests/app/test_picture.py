@@ -203,7 +203,7 @@ def test_a_result_without_frames_is_refused(tmp_path: Path, capsys: pytest.Captu
 
 def test_pace() -> None:
     def shown(*arguments: float | None) -> tuple[int, float, int]:
-        frames, rate = pace(*arguments)  # type: ignore[arg-type]
+        frames, rate = pace(*arguments, 20.0, 30.0)  # type: ignore[arg-type]
         assert frames[0] == 0
         assert (np.diff(frames) > 0).all()
         return len(frames), rate, int(frames[-1])
@@ -213,7 +213,7 @@ def test_pace() -> None:
     assert shown(9000, 30.0, None) == (600, 30.0, 8999)
     assert shown(101, 30.0, 1.0) == (30, 30.0, 100)
     assert shown(101, 30.0, 202.0) == (101, 0.5, 100)
-    assert pace(1, 30.0)[0].tolist() == [0]
+    assert pace(1, 30.0, None, 20.0, 30.0)[0].tolist() == [0]
 
 
 @pytest.mark.parametrize("suffix", ["webp", "gif"])

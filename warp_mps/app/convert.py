@@ -58,7 +58,7 @@ def _write(animation: Animation, target: Path) -> list[tuple[float, str, str]]:
 
 
 def _text(animation: Animation, number: int, frame: int) -> str:
-    cloud, length = animation.clouds[number], _length_unit(animation.meters_per_unit)
+    cloud = animation.clouds[number]
     quantities = animation.quantities(number, frame)
     arrays = {
         "id": cloud.ids,
@@ -74,8 +74,14 @@ def _text(animation: Animation, number: int, frame: int) -> str:
         "role": cloud.role,
         **{name: value if isinstance(value, str) else float(value) for name, value in animation.provenance.items()},
     }
-    units = {**UNITS, "width": length, "velocity": f"{length}/s"}
-    return polydata(animation.points(number, frame).astype(np.float32), arrays, units=units, facts=facts)
+    points = animation.points(number, frame).astype(np.float32)
+    return polydata(points, arrays, units=units_of(animation), facts=facts)
+
+
+def units_of(animation: Animation) -> dict[str, str]:
+    """Units of the arrays at the particles, by name."""
+    length = _length_unit(animation.meters_per_unit)
+    return {**UNITS, "width": length, "velocity": f"{length}/s"}
 
 
 def _length_unit(meters: float) -> str:

@@ -33,7 +33,8 @@ def convert(
     folder: Positional[Folder],
     *,
     to: Annotated[
-        Literal["pvd", "usd"], arg(help="Format: pvd, for ParaView, VisIt and VTK; usd, with colours of a quantity.")
+        Literal["pvd", "vtkhdf", "usd"],
+        arg(help="Format: pvd or vtkhdf, for ParaView and VTK; usd, with colours of a quantity."),
     ] = "pvd",
     colour: Colour = None,
     limits: Limits = None,
@@ -42,17 +43,22 @@ def convert(
     """Convert the animation of a run: DIR/pvd/run.pvd, with a .vtp for each body, wall or fluid and frame.
 
     Times are in seconds. Positions, widths and velocities are in the stage's units, as in run.usdc (the files hold
-    metersPerUnit); pressures and stresses are in Pa, strain energies in J/m^3. With --to usd: DIR/run_QUANTITY.usdc,
+    metersPerUnit); pressures and stresses are in Pa, strain energies in J/m^3. With --to vtkhdf (needs
+    warp_mps[vtkhdf]): DIR/vtkhdf/NAME.vtkhdf, one file each with all frames. With --to usd: DIR/run_QUANTITY.usdc,
     the animation whose displayColor is that of the quantity --colour, for usdview, Blender, Houdini or Omniverse.
     """
     if to == "usd":
         from warp_mps.app.bake import convert_to_usd
 
         return convert_to_usd(folder, colour, limits, overwrite=overwrite)
-    from warp_mps.app.convert import convert_to_pvd
-
     if colour is not None or limits is not None:
         raise InputError("--colour and --limits", "", "are for --to usd; ParaView chooses its colours")
+    if to == "vtkhdf":
+        from warp_mps.app.vtkhdf import convert_to_vtkhdf
+
+        return convert_to_vtkhdf(folder, overwrite=overwrite)
+    from warp_mps.app.convert import convert_to_pvd
+
     return convert_to_pvd(folder, overwrite=overwrite)
 
 
@@ -104,7 +110,8 @@ def video(
         arg(metavar="FILE", help="File to write: .mp4 (needs warp_mps[video]), .webp or .gif; default: DIR/video.*."),
     ] = None,
     seconds: Annotated[
-        float | None, arg(metavar="S", help="How long it plays [s]; default: as the animation plays, at most 20.")
+        float | None,
+        arg(metavar="S", help="How long it plays [s]; default: as the animation plays, at most 20 (mp4) or 10."),
     ] = None,
     colour: Colour = None,
     limits: Limits = None,

@@ -16,9 +16,10 @@ from warp_mps.app.picture import AS_SUITS, Look, Painter
 from warp_mps.app.result import Animation, refuse_existing
 from warp_mps.errors import InputError
 
-FORMATS = ("mp4", "webp", "gif")
-# it plays at most so long unless it is asked to [s], and shows at most so many pictures a second [1/s]
-LONGEST, FASTEST = 20.0, 30.0
+# how long each plays at most unless it is asked to [s], and how many pictures a second it shows at most [1/s]: the
+# pictures of WebP and GIF are all held at a time
+LIMITS = {"mp4": (20.0, 30.0), "webp": (10.0, 20.0), "gif": (10.0, 20.0)}
+FORMATS = tuple(LIMITS)
 # the last picture of what is played over and over stays [ms]
 REST = 900
 
@@ -37,7 +38,8 @@ def make_video(
         folder: Folder of the run.
         out: File to write, ending in .mp4, .webp or .gif; None is video.mp4 in the folder, or video.webp where there is
             no imageio-ffmpeg.
-        seconds: How long it plays [s]; None is as the animation plays, at most `LONGEST`.
+        seconds: How long it plays [s]; None is as the animation plays, at most as `LIMITS`
+            says.
         look: What the pictures show, and how.
         overwrite: Whether to replace the file.
 
@@ -54,7 +56,7 @@ def make_video(
     animation = Animation(folder)
     refuse_existing(path, overwrite)
     painter = Painter(animation, _even(look))
-    frames, rate = pace(len(animation), animation.playback_rate, seconds)
+    frames, rate = pace(len(animation), animation.playback_rate, seconds, *LIMITS[path.suffix.lower()[1:]])
     pictures = (painter.draw(int(frame)) for frame in track(frames, description="drawing", transient=True))
     write = _write_mp4 if path.suffix.lower() == ".mp4" else _write_images
     figures.write_file(path, lambda temporary: write(temporary, pictures, rate, painter.size))
@@ -62,19 +64,23 @@ def make_video(
     return 0
 
 
-def pace(count: int, playback_rate: float, seconds: float | None = None) -> tuple[np.ndarray, float]:
+def pace(
+    count: int, playback_rate: float, seconds: float | None, longest: float, fastest: float
+) -> tuple[np.ndarray, float]:
     """Which frames are shown, and how many a second.
 
     Args:
         count: Frames of the animation.
         playback_rate: Frames that a player shows in a second [1/s].
-        seconds: How long the video plays [s]; None is as long as the animation, at most `LONGEST`.
+        seconds: How long the video plays [s]; None is as long as the animation, at most `longest`.
+        longest: See there [s].
+        fastest: Pictures a second at most [1/s].
 
     Returns:
         Numbers of the frames, and pictures per second [1/s].
     """
-    seconds = min(count / playback_rate, LONGEST) if seconds is None else seconds
-    shown = int(np.clip(round(seconds * FASTEST), 1, count))
+    seconds = min(count / playback_rate, longest) if seconds is None else seconds
+    shown = int(np.clip(round(seconds * fastest), 1, count))
     return np.linspace(0, count - 1, shown).round().astype(int), shown / seconds
 
 
