@@ -68,6 +68,15 @@ def test_energies_and_their_drift() -> None:
     }
 
 
+def test_what_fluids_lose_is_dissipated() -> None:
+    """The balance falls from 1 to 0.5, beside what damping has taken."""
+    rows = (0, 0, 0, 1, 0, 0), (2, 0, 0, 1, 4, 0.25), (3, 0, 0, 1, 4, 0.5)
+    record = energy_record(history(*rows), fluids=True)
+    assert (record["dissipated"], record["work"], record["drift"]) == (1.0, 4.0, None)
+    kept = energy_record(history(*rows))
+    assert (kept["dissipated"], kept["drift"]) == (0.5, pytest.approx(1.75 / 4.0))
+
+
 def test_a_scene_at_rest_does_not_drift() -> None:
     assert energy_record(history())["drift"] == 0.0
     assert energy_record(History(history().labels)) == {}

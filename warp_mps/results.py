@@ -39,7 +39,7 @@ class RunSummary:
         time: Simulated time [s].
         wall_seconds: Wall time of the steps since the start, or since the last time the run was resumed [s].
         particle_steps_per_second: Speed over that time [1/s], under ``solid`` and ``fluid``.
-        energy: Energies at the end and ``drift``; see :func:`energy_record`.
+        energy: Energies at the end and ``drift``, None with fluids; see :func:`energy_record`.
         momentum_error: Largest resultant of the internal forces in a frame since then, as a part of the largest sum of
             their magnitudes [-].
         fluid: Of fluids, particles `lost`, iterations and largest true residual of the pressure solves, and how many
@@ -96,16 +96,25 @@ def read_summary(path: str | Path) -> RunSummary:
     return RunSummary(**{name: value for name, value in data.items() if name in known})
 
 
-def energy_record(history: History) -> dict[str, float | None]:
+def energy_record(history: History, *, fluids: bool = False) -> dict[str, float | None]:
     """Energies at the end of a history and their relative drift.
 
     The drift is the largest change of the energy balance (:class:`warp_mps.energy.Energy`), divided by the largest
-    of the energy that motion and deformation held and of the work put in.
+    of the energy that motion and deformation held and of the work put in. Fluids lose energy by viscosity, impacts and
+    collisions, which nothing counts: what the balance has lost is then dissipated, and there is no drift.
+
+    Args:
+        history: The energies.
+        fluids: Whether they are those of fluids.
     """
     energies = history.energies()
     if not energies:
         return {}
     record: dict[str, float | None] = {name: getattr(energies[-1], name) for name in ENERGY_NAMES}
+    if fluids:
+        record["dissipated"] = energies[-1].dissipated + energies[0].balance - energies[-1].balance
+        record["drift"] = None
+        return record
     scale = max(max(energy.exchanged, abs(energy.work)) for energy in energies)
     drift = max(abs(energy.balance - energies[0].balance) for energy in energies)
     record["drift"] = drift / scale if scale > 0.0 else 0.0

@@ -202,7 +202,7 @@ class _Run:
             particle_steps_per_second={
                 kind: count / wall if wall > 0.0 and count else None for kind, count in done.items()
             },
-            energy=energy_record(history),
+            energy=energy_record(history, fluids=bool(simulation.scene.fluids)),
             momentum_error=self._momentum.error,
             measurements=measurement_rows(simulation.scene, history),
             **solvers,

@@ -51,7 +51,9 @@ def _run(
     except RunError as error:
         print(f"warp-mps: {path.stem}: {error}", file=sys.stderr)
         return [], False
-    rows = [*summary.measurements, _account("energy drift", summary.energy.get("drift"))]
+    rows = [*summary.measurements]
+    if not summary.fluid:
+        rows.append(_account("energy drift", summary.energy.get("drift")))
     rows.append(_account("momentum error", summary.momentum_error))
     return [(scene.name, row) for row in rows], True
 

@@ -56,7 +56,9 @@ def gather(folder: Path) -> Run:
         named = animation.provenance.get("case") if animation else None
         summary = RunSummary(case=str(named or folder.resolve().name), status="running")
     if state in ("running", "stopped") and history is not None:
-        summary.time, summary.energy = history.last_time, energy_record(history)
+        clouds = animation.clouds if animation else ()
+        wet = any(cloud.role == "fluid" for cloud in clouds) or bool(summary.fluid)
+        summary.time, summary.energy = history.last_time, energy_record(history, fluids=wet)
     return Run(folder, state, summary, history, animation, tuple(remarks))
 
 

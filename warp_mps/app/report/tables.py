@@ -58,7 +58,7 @@ def cards(run: Run) -> str:
     speed = sum(value or 0.0 for value in summary.particle_steps_per_second.values())
     if speed:
         found.append(("particle-steps a second", f"{speed / 1e6:.3g} million"))
-    if summary.energy.get("drift") is not None and not _has_fluids(run):
+    if summary.energy.get("drift") is not None:
         found.append(("energy drift", percent(summary.energy["drift"])))
     errors = [row["error"] for row in summary.measurements if row.get("error") is not None]
     if errors:
@@ -128,7 +128,7 @@ def accounts(run: Run) -> str:
         if summary.energy.get(name)
     ]
     drift = summary.energy.get("drift")
-    if drift is not None and not _has_fluids(run):
+    if drift is not None:
         rows.append(("change of the energy balance, largest, over the largest energy or work", percent(drift), ""))
     if summary.momentum_error is not None:
         text = "resultant of the internal forces, largest, over the sum of their magnitudes"
@@ -168,11 +168,6 @@ def is_static(run: Run) -> bool:
     """Whether the times are load factors."""
     noted = run.animation.provenance if run.animation else {}
     return "static" in (run.summary.settings.get("analysis"), noted.get("analysis"))
-
-
-def _has_fluids(run: Run) -> bool:
-    """Whether there are fluids, whose energy is not kept."""
-    return any(cloud.role == "fluid" for cloud in run.animation.clouds) if run.animation else bool(run.summary.fluid)
 
 
 def _flat(values: Mapping[str, Any], before: str = "") -> list[tuple[str, str]]:
