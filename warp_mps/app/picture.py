@@ -28,7 +28,7 @@ MOST = 8192
 # does, and the pixels of a picture for that
 GLASS, HIDDEN, COARSE = 0.10, 0.02, 8
 # percentage of a fluid's particles that may leave the picture at either side
-FAR = 0.2
+FAR = 0.05
 
 
 @dataclass(frozen=True)

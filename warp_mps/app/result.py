@@ -20,6 +20,8 @@ UNITS = {"pressure": "Pa", "stress": "Pa", "strain": "1", "von_mises": "Pa", "st
 
 # frames that stand for all of a run, and particles of them at most
 SAMPLE_FRAMES, SAMPLE = 24, 4_000_000
+# amount of light of what has no colour
+PLAIN = (0.3, 0.3, 0.3)
 
 
 def find_run(folder: Path) -> Path:
@@ -142,13 +144,14 @@ class Animation:
 
 def _cloud(item: UsdGeom.Points) -> Cloud:
     prim: Usd.Prim = item.GetPrim()
+    colors = item.GetDisplayColorAttr().Get()
     vertex = [var for var in UsdGeom.PrimvarsAPI(item).GetPrimvars() if var.GetInterpolation() == UsdGeom.Tokens.vertex]
     return Cloud(
         name=prim.GetName(),
         role=str(prim.GetCustomDataByKey("role") or "body"),
         ids=np.array(item.GetIdsAttr().Get(), dtype=np.int64).reshape(-1),
         widths=np.array(item.GetWidthsAttr().Get(), dtype=np.float32).reshape(-1),
-        color=to_screen(np.array(item.GetDisplayColorAttr().Get()).reshape(-1, 3)[0]),
+        color=to_screen(colors[0] if colors else PLAIN),
         scalars=tuple(
             str(var.GetPrimvarName()) for var in vertex if var.GetTypeName() == Sdf.ValueTypeNames.FloatArray
         ),

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 from PIL import Image
+from rich.console import Console
 from rich.progress import track
 
 from warp_mps.app import figures
@@ -57,7 +58,9 @@ def make_video(
     refuse_existing(path, overwrite)
     painter = Painter(animation, _even(look))
     frames, rate = pace(len(animation), animation.playback_rate, seconds, *LIMITS[path.suffix.lower()[1:]])
-    pictures = (painter.draw(int(frame)) for frame in track(frames, description="drawing", transient=True))
+    console = Console(stderr=True)
+    shown = track(frames, "drawing", console=console, transient=True, disable=not console.is_terminal)
+    pictures = (painter.draw(int(frame)) for frame in shown)
     write = _write_mp4 if path.suffix.lower() == ".mp4" else _write_images
     figures.write_file(path, lambda temporary: write(temporary, pictures, rate, painter.size))
     print(f"{path}: {len(frames)} pictures, {len(frames) / rate:.3g} s")
