@@ -18,6 +18,7 @@ from tests.observers.views import blocks
 from warp_mps.errors import InputError, RunError
 from warp_mps.particles import Particles, fill_scene
 from warp_mps.scene import StageFrame
+from warp_mps.usd import points
 from warp_mps.usd.animation import AnimationWriter
 
 PLANE = StageFrame(axes="xz", up_axis="Z", meters_per_unit=0.01, kilograms_per_unit=0.001)
@@ -167,6 +168,37 @@ def test_every_frame_is_readable_as_soon_as_it_is_written(tmp_path: Path, partic
         assert frames_seen_by_another_process(path) == k + 1
     animation.close()
     assert [item.name for item in tmp_path.iterdir()] == ["run.usdc"]
+
+
+@pytest.mark.parametrize("fails", [False, True])
+def test_a_file_of_many_frames_holds_little_else(
+    tmp_path: Path, particles: Particles, monkeypatch: pytest.MonkeyPatch, fails: bool
+) -> None:
+    """Every save leaves tables behind that are as long as the animation; where they cannot be dropped, nothing is."""
+    frames, path = range(250), tmp_path / "run.usdc"
+    monkeypatch.setattr(points, "LEAST_WASTE", 2**12)
+    if fails:
+        replace = os.replace
+
+        def refuse(source: str, target: str) -> None:
+            if str(source).endswith(".whole.usdc"):
+                raise OSError("in use")
+            replace(source, target)
+
+        monkeypatch.setattr(os, "replace", refuse)
+    animation = writer(path, particles)
+    write(animation, particles, *frames)
+    animation.close()
+    assert [item.name for item in tmp_path.iterdir()] == ["run.usdc"]
+    stage = Usd.Stage.Open(str(path))
+    stage.GetRootLayer().Export(str(tmp_path / "whole.usdc"))
+    size = path.stat().st_size / (tmp_path / "whole.usdc").stat().st_size
+    assert size > 4.0 if fails else size < 2.5
+    shown = body(stage, "left")
+    assert shown.GetPointsAttr().GetTimeSamples() == list(frames)
+    for k in frames:
+        assert np.asarray(shown.GetVelocitiesAttr().Get(k))[0, 0] == pytest.approx(100.0 * k)
+        assert np.asarray(UsdGeom.PrimvarsAPI(shown).GetPrimvar("pressure").Get(k))[0] == k
 
 
 def test_without_hard_links_the_file_is_copied(

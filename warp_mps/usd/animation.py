@@ -166,3 +166,4 @@ class AnimationWriter:
         for name in self._names:
             name.unlink(missing_ok=True)
             name.with_suffix(".new").unlink(missing_ok=True)
+            name.with_suffix(".whole.usdc").unlink(missing_ok=True)

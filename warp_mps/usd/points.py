@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 from collections.abc import Mapping
 from pathlib import Path
@@ -20,6 +21,10 @@ if TYPE_CHECKING:
 
 ROOT = "/Result"
 PLAYBACK_RATE = 30.0
+# waste in a file, in units of what counts in it and beyond some bytes, with which it is written anew
+MOST_WASTE, LEAST_WASTE = 1.0, 2**20
+# saves after which what USD keeps of them in memory is let go
+SAVES_KEPT = 64
 # as screens take them
 PALETTE = (
     (0.90, 0.38, 0.22),
@@ -36,6 +41,10 @@ LIQUID_COLOR = (0.16, 0.45, 0.75)
 class PointsFile:
     """A stage of particles that is saved in place, frame by frame.
 
+    Every save writes the tables of all frames anew, behind those that it leaves as waste: their sizes grow with the
+    square of the number of frames, and USD keeps something of each in memory. When waste has come to be as much as what
+    counts, the file is written anew without it.
+
     Args:
         path: The file, which exists (:meth:`create` makes one).
         particles: Particles of the scene.
@@ -45,6 +54,7 @@ class PointsFile:
     def __init__(self, path: Path, particles: Particles, frame: StageFrame) -> None:
         self.path = path
         self._stage = Usd.Stage.Open(str(path))
+        self._content, self._saves = path.stat().st_size, 0
         self._ranges = [(int(first), int(last)) for first, last in particles.ranges]
         self._widths = [_width(particles, bounds, frame) for bounds in self._ranges]
         self._scenery = Scenery(self._stage, frame)
@@ -77,6 +87,7 @@ class PointsFile:
         if not self._stage.HasAuthoredTimeCodeRange():
             self._stage.SetStartTimeCode(code)
         self._stage.SetEndTimeCode(code)
+        self._content += sum(value.nbytes for value in values.values())
 
     def save(self) -> None:
         """Save in place.
@@ -90,6 +101,24 @@ class PointsFile:
             raise RunError(f"{self.path}: cannot be written: {_first_words(error)}") from error
         if not saved:
             raise RunError(f"{self.path}: cannot be written")
+        self._saves += 1
+        if self.path.stat().st_size > (1.0 + MOST_WASTE) * self._content + LEAST_WASTE:
+            self.compact()
+        elif self._saves % SAVES_KEPT == 0:
+            self._stage.GetRootLayer().Reload(True)
+
+    def compact(self) -> None:
+        """Write the file anew, without what earlier saves have left in it; it stays as it is where that fails."""
+        layer, temporary = self._stage.GetRootLayer(), self.path.with_suffix(".whole.usdc")
+        try:
+            if layer.Export(str(temporary)):
+                os.replace(temporary, self.path)
+                layer.Reload(True)
+        except (OSError, Tf.ErrorException):
+            # as on a full disk; the next save will say so
+            pass
+        temporary.unlink(missing_ok=True)
+        self._content = self.path.stat().st_size
 
     def _write_body(self, index: int, code: float, values: Mapping[str, np.ndarray]) -> None:
         points = self._points[index]
