@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import resource
 import shutil
 import signal
@@ -49,13 +50,21 @@ def full(case: Case, out: Path, rows: int) -> str:
 
 
 def full_for_a_checkpoint(case: Case, out: Path, rows: int) -> str:
-    """The disk takes no further checkpoint while the animation is still smaller."""
-    size = (case.whole / "checkpoint.npz").stat().st_size
-    return _full(case, out, min(rows, 3), lambda: size - 1, "checkpoint.npz")
+    """The disk takes no further checkpoint, while rows and frames still find room: what it is written to is full."""
+    with running(case, out) as process:
+        wait_for_rows(process, out, rows)
+        # between two checkpoints there is no such file
+        while process.poll() is None:
+            with contextlib.suppress(FileExistsError):
+                (out / "checkpoint.npz.new").symlink_to("/dev/full")
+                break
+        code, line = ending(process)
+    assert (code, "checkpoint.npz: cannot be written: No space left" in line) == (3, True), (code, line)
+    return line
 
 
 def full_for_a_frame(case: Case, out: Path, rows: int) -> str:
-    """The disk takes no further frame: the animation has grown beyond a checkpoint."""
+    """The disk takes no further frame, when the animation has grown beyond a checkpoint."""
     size = (case.whole / "checkpoint.npz").stat().st_size
     return _full(case, out, rows, lambda: max((out / "run.usdc").stat().st_size, size + 1), "usdc")
 
