@@ -39,7 +39,10 @@ def check_coupling(scene: Scene) -> None:
 
 def remarks_on_bodies(scene: Scene) -> list[str]:
     """What is worth knowing of the bodies in the fluids of a scene, a line each."""
-    return [line for body in scene.bodies for line in _thin(body, scene)]
+    lines = [line for body in scene.bodies for line in _thin(body, scene)]
+    if scene.bodies and scene.contact.between == "none" and not scene.supports:
+        lines.append("no contact and no supports: bodies go through walls and each other")
+    return lines
 
 
 def _thin(body: Body, scene: Scene) -> list[str]:

@@ -32,8 +32,9 @@ from warp_mps.coupling.mobility import Mobility
 from warp_mps.coupling.quasi_newton import QuasiNewton
 from warp_mps.coupling.record import ExchangeStatistics
 from warp_mps.coupling.structures import Structure
-from warp_mps.errors import RunError
+from warp_mps.errors import InputError, RunError
 from warp_mps.fluid.fluids import Fluids
+from warp_mps.requirements import place
 from warp_mps.scene import Scene
 
 # the forces on the markers agree when they change by no more than this part of themselves
@@ -68,7 +69,7 @@ class WetFluids(Fluids):
     ) -> None:
         super().__init__(scene, markers.particles, kit=kit, device=device, graphs=graphs)
         self._markers, self._structure, e, m = markers, structure, markers.count, self._m
-        self._coupling = coupling_kernels(kit)
+        self._coupling, self._where = coupling_kernels(kit), place(scene.fluids[0], "fluid")
 
         def zeros(length: int, kind: Any) -> wp.array:
             return wp.zeros(length, dtype=kind, device=device)
@@ -93,9 +94,14 @@ class WetFluids(Fluids):
         self.exchange = ExchangeStatistics()
 
     def start(self) -> None:
-        """Find the neighbours of the initial state."""
+        """Find the neighbours of the initial state.
+
+        Raises:
+            InputError: The fluids have no free surface.
+        """
         self._show(self._zero)
         super().start()
+        self._refuse_closed()
 
     def advance(self, time: float) -> int:
         """Advance to a time [s], and return the number of steps that it took.
@@ -121,6 +127,17 @@ class WetFluids(Fluids):
         self._guess = arrays["guess"].copy()
         self._newton.assign(arrays["learnt"], arrays["learnt_sizes"])
         self.mobility.assign(arrays)
+
+    def _refuse_closed(self) -> None:
+        """Refuse water without a free surface: it finds its volume, which no particles hold exactly, in the bodies."""
+        shown = wp.clone(self.state.n)
+        self._dt.fill_(self._longest)
+        self._assemble()
+        wp.copy(self.state.n, shown)
+        assert self._matrix.singular is not None
+        if self._matrix.singular.numpy()[0]:
+            reason = "leaves no free surface between walls and elastic bodies: give the water some room"
+            raise InputError(self._where, "shape", reason)
 
     def _take_step(self) -> None:
         """Take one step towards the target time, water and bodies."""
