@@ -17,7 +17,7 @@ from warp_mps.fluid_checks import remarks
 from warp_mps.observers.sampling import make_sampler
 from warp_mps.particles import fill_scene
 from warp_mps.scene import Body, Contact, Fluid, Probe, Scene
-from warp_mps.shapes import Box
+from warp_mps.shapes import Box, Points
 from warp_mps.simulation import Simulation
 
 BLOCK = lump([3, 3], [4, 4], path="/World/block")
@@ -119,6 +119,15 @@ def test_water_without_a_free_surface() -> None:
     roomy = replace(made, walls=walls_about(np.array([10.0, 12.0]) * L0, layers=4, lid=True))
     before = Simulation(roomy).number_densities
     np.testing.assert_array_equal(before, 1.0)
+
+
+def test_water_that_fills_a_shell() -> None:
+    grid = np.stack(np.meshgrid(*(L0 * (np.arange(8) + 0.5),) * 2, indexing="ij"), -1).reshape(-1, 2)
+    away = np.abs(grid - 4 * L0).max(axis=1) / L0
+    shell = Body(name="shell", shape=Points(grid[away > 1]), material=SOFT, spacing=L0)
+    water = Fluid(name="water", shape=Points(grid[away < 1]), spacing=L0, path="/World/water")
+    made = Scene(bodies=(shell,), fluids=(water,), duration=0.1)
+    assert_refused(lambda: Simulation(made), "/World/water", "shape", "leaves no free surface")
 
 
 def test_bodies_that_nothing_holds_are_remarked_upon() -> None:
