@@ -69,7 +69,7 @@ class WetFluids(Fluids):
     ) -> None:
         super().__init__(scene, markers.particles, kit=kit, device=device, graphs=graphs)
         self._markers, self._structure, e, m = markers, structure, markers.count, self._m
-        self._coupling, self._where = coupling_kernels(kit), place(scene.fluids[0], "fluid")
+        self._coupling, self._source = coupling_kernels(kit), place(scene.fluids[0], "fluid")
 
         def zeros(length: int, kind: Any) -> wp.array:
             return wp.zeros(length, dtype=kind, device=device)
@@ -137,7 +137,7 @@ class WetFluids(Fluids):
         assert self._matrix.singular is not None
         if self._matrix.singular.numpy()[0]:
             reason = "leaves no free surface between walls and elastic bodies: give the water some room"
-            raise InputError(self._where, "shape", reason)
+            raise InputError(self._source, "shape", reason)
 
     def _take_step(self) -> None:
         """Take one step towards the target time, water and bodies."""
