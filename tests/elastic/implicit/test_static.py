@@ -209,6 +209,16 @@ def test_a_body_that_nothing_holds_is_refused_in_a_line(tmp_path: Path) -> None:
         run_scene(scene, tmp_path, quiet=True)
 
 
+def test_a_slender_body_needs_double_precision_and_is_told_so() -> None:
+    """Its forces cancel to less than their rounding."""
+    body = block(2, shape=Box((0.8, 0.03)))
+    clamp = replace(CLAMP, region=Box((0.02, 1.0), center=(-0.4, 0.0)))
+    scene = cantilever(bodies=(body,), supports=(clamp,))
+    assert np.abs(found(scene).displacements).max() > 0.1
+    with pytest.raises(RunError, match=r"too slender for single precision; particle \d+ of body 'block'"):
+        found(scene, precision="float32")
+
+
 def test_bodies_apart_are_found_side_by_side() -> None:
     """Without contact, each sags as it would alone."""
     scene = cantilever()

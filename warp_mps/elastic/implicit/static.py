@@ -70,11 +70,7 @@ class StaticSolid(Solid):
                 continue
             increment *= 0.5
             if increment < smallest:
-                worst = self._particles.describe(self.newton.worst_particle())
-                raise RunError(
-                    f"no equilibrium was found beyond a load factor of {self._reached:.6g}: a body is held too little "
-                    f"to stay where it is, it buckles, or more load steps are needed; {worst} was furthest from it"
-                )
+                raise RunError(self._not_found())
 
     def energy(self) -> Energy:
         """Energies of the present state; that of the weight is in the work."""
@@ -111,6 +107,16 @@ class StaticSolid(Solid):
         self._work.assign(arrays["static_work"])
         self.newton.applied.assign(arrays["applied"])
         self._elastic_forces()
+
+    def _not_found(self) -> str:
+        """Why there may be no further equilibrium, and where it was missed by most."""
+        causes = "a body is held too little to stay where it is, it buckles, or more load steps are needed"
+        if self._kit.precision == "float32":
+            # rounding of the large forces that cancel in it leaves more than the residual that is asked for
+            causes += "; or it is too slender for single precision"
+        worst = self._particles.describe(self.newton.worst_particle())
+        factor = f"{self._reached:.6g}"
+        return f"no equilibrium was found beyond a load factor of {factor}: {causes}; {worst} was furthest from it"
 
     def _load_to(self, factor: float) -> bool:
         """Find the equilibrium of a load factor; where there is none, the state is as it was."""
