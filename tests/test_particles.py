@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 
 from tests.scenes import RUBBER, STEEL, block, scene_of
+from warp_mps import particles
 from warp_mps.errors import InputError
 from warp_mps.particles import Particles, count_particles, fill_scene, select, select_held
 from warp_mps.scene import Body, Load, Part, Scene, Support, VelocityField, Wall
-from warp_mps.shapes import Box, Cylinder, Points
+from warp_mps.shapes import Box, Cylinder, Points, contains
 
 LIGHT = replace(RUBBER, density=10.0)
 
@@ -287,3 +288,16 @@ def test_what_cannot_be_counted_is_named() -> None:
     scene = scene_of(block(2), dimension=3)
     with pytest.raises(InputError, match="body 'block' shape: is unbounded"):
         count_particles(scene)
+
+
+def test_bodies_that_are_apart_are_not_compared_one_by_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Hundreds of bodies are a case like another: only those that come near each other are looked at."""
+    compared = []
+    monkeypatch.setattr(particles, "contains", lambda *args: compared.append(args) or contains(*args))
+    apart = [(0.3 * i, 0.3 * j) for i in range(20) for j in range(20)]
+    bodies = [block(2, name=f"b{k}", shape=Box((0.2, 0.2), at), spacing=0.1) for k, at in enumerate(apart)]
+    fill_scene(scene_of(*bodies))
+    assert compared == []
+    near = block(2, name="near", shape=Box((0.2, 0.2), (-0.19, 0.0)), spacing=0.1)
+    fill_scene(scene_of(*bodies, near))
+    assert len(compared) == 4

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import itertools
+from collections.abc import Iterator
 from dataclasses import dataclass, fields
 
 import numpy as np
@@ -285,7 +285,7 @@ def _refuse_loose_bonds(scene: Scene, particles: Particles) -> None:
 
 def _refuse_overlap(scene: Scene, particles: Particles) -> None:
     """Refuse a particle inside another body, or on top of another body's particle; walls may share space."""
-    for a, b in itertools.permutations(range(len(scene.filled)), 2):
+    for a, b in _near(scene, particles):
         one, other = scene.filled[a], scene.filled[b]
         if isinstance(one, Wall) and isinstance(other, Wall):
             continue
@@ -300,6 +300,18 @@ def _refuse_overlap(scene: Scene, particles: Particles) -> None:
             at = ", ".join(f"{c:.6g}" for c in positions[np.argmax(bad)])
             reason = f"overlaps {place(other, kind_of(other))} at ({at}) m; bodies may touch but not share space"
             raise InputError(place(one, kind_of(one)), "shape", reason)
+
+
+def _near(scene: Scene, particles: Particles) -> Iterator[tuple[int, int]]:
+    """Pairs of different bodies the boxes about whose particles come as near as a particle is wide."""
+    parts = [particles.positions[slice(*bounds)] for bounds in particles.ranges]
+    low, high = np.array([part.min(axis=0) for part in parts]), np.array([part.max(axis=0) for part in parts])
+    spacings = np.array([item.spacing for item in scene.filled])
+    for a, spacing in enumerate(spacings):
+        margin = 0.5 * (spacing + spacings)[:, None]
+        for b in np.flatnonzero(np.all((high[a] > low - margin) & (low[a] < high + margin), axis=1)):
+            if a != b:
+                yield a, int(b)
 
 
 def kind_of(item: Body | Wall | Fluid) -> str:
