@@ -11,7 +11,7 @@ from PIL import Image
 from tests.app.results import SPACE, write_result
 from tests.scenes import RUBBER
 from warp_mps.app.cli import main
-from warp_mps.app.colours import WALL, choose, usual_range
+from warp_mps.app.colours import WALL, choose, choose_second, usual_range
 from warp_mps.app.picture import Look, Painter, find_frame
 from warp_mps.app.result import Animation
 from warp_mps.app.video import pace
@@ -147,7 +147,7 @@ def test_labels_have_units(plane: Path) -> None:
     assert (beyond.below, beyond.above) == (True, True)
 
 
-def test_in_coupled_runs_the_pressure_is_that_of_the_water(tmp_path: Path) -> None:
+def test_in_coupled_runs_water_has_its_pressure_and_bodies_their_stress(tmp_path: Path) -> None:
     water = Fluid(name="water", shape=Box((0.2, 0.2), center=(1.0, 0.0)), spacing=0.1)
     block = Body(name="block", shape=Box((0.2, 0.2)), material=RUBBER, spacing=0.1)
     scene = Scene(bodies=(block,), fluids=(water,), gravity=(0.0, -9.81), duration=1.0)
@@ -163,7 +163,15 @@ def test_in_coupled_runs_the_pressure_is_that_of_the_water(tmp_path: Path) -> No
     assert (colouring.name, colouring.low, colouring.high) == ("pressure", 0.0, 400.0)
     assert np.array_equal(colouring.colors(animation, 0, 0), np.tile(animation.clouds[0].color, (4, 1)))
     assert len(np.unique(colouring.colors(animation, 1, 0), axis=0)) == 4
-    assert choose(animation, "von_mises").high == 1e6
+    second = choose_second(animation, colouring)
+    assert second is not None
+    assert (second.name, second.low, second.high) == ("von_mises", 0.0, 1e6)
+    assert second.colormap is not colouring.colormap
+    both, alone = Painter(animation), Painter(animation, Look(colour="pressure"))
+    assert np.array_equal(both._colors(0, 0), second.colors(animation, 0, 0))
+    assert np.array_equal(both._colors(1, 0), colouring.colors(animation, 1, 0))
+    assert np.array_equal(alone._colors(0, 0), colouring.colors(animation, 0, 0))
+    assert not np.array_equal(both.draw(0)[:, -100:], alone.draw(0)[:, -100:])
 
 
 def test_find_frame(plane: Path) -> None:

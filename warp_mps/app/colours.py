@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import matplotlib as mpl
 import numpy as np
@@ -16,7 +16,9 @@ from warp_mps.errors import InputError
 SEQUENTIAL = LinearSegmentedColormap.from_list(
     "water", ["#3159ad", "#2487cb", "#2fb1bb", "#7dce84", "#d3e051", "#ffe11f"]
 )
-# and for values of both
+# beside the first
+SECOND = LinearSegmentedColormap.from_list("warm", ["#f7dfb0", "#f2a65a", "#d9532c", "#8c1c3a"])
+# for values of both signs
 DIVERGING = mpl.colormaps["coolwarm"]
 NAMES = {"von_mises": "von Mises stress", "strain_energy": "strain energy"}
 WALL = np.array([0.78, 0.79, 0.80])
@@ -35,6 +37,7 @@ class Colouring:
         high: Value of the last colour [SI units].
         below: Whether there are lower values.
         above: Whether there are higher values.
+        second: Whether it stands beside another one, and takes other colours.
     """
 
     name: str
@@ -42,11 +45,14 @@ class Colouring:
     high: float = 1.0
     below: bool = False
     above: bool = False
+    second: bool = False
 
     @property
     def colormap(self) -> Colormap:
         """The colours from the low end to the high one."""
-        return DIVERGING if self.low < 0.0 < self.high else SEQUENTIAL
+        if self.low < 0.0 < self.high:
+            return DIVERGING
+        return SECOND if self.second else SEQUENTIAL
 
     @property
     def prefix(self) -> tuple[float, str]:
@@ -102,14 +108,23 @@ def choose(animation: Animation, name: str | None = None, limits: tuple[float, f
     return Colouring(name, low, high, bool(everything.min() < low), bool(everything.max() > high))
 
 
+def choose_second(animation: Animation, first: Colouring) -> Colouring | None:
+    """The von Mises stress of bodies, beside the pressure of the water about them."""
+    bodies = [cloud for cloud in animation.clouds if cloud.role == "body" and "von_mises" in cloud.scalars]
+    if first.name != "pressure" or not bodies or not _has_fluid(animation):
+        return None
+    return replace(choose(animation, "von_mises"), second=True)
+
+
 def colourable(animation: Animation, cloud: int, name: str) -> bool:
     """Whether the particles of a cloud are coloured by a quantity.
 
-    Walls are the background, and stay grey. Where there are fluids, the pressure is theirs: that in bodies is another
-    thing, and often another size.
+    Walls are the background, and stay grey. Where there are fluids, the pressure is theirs, for that in bodies is
+    another thing, and often another size; the von Mises stress is that of bodies.
     """
     item = animation.clouds[cloud]
-    if item.role == "wall" or (name == "pressure" and item.role == "body" and _has_fluid(animation)):
+    others = {"pressure": "body", "von_mises": "fluid"}
+    if item.role == "wall" or (others.get(name) == item.role and _has_fluid(animation)):
         return False
     return name == "speed" or name in item.scalars
 

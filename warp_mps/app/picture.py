@@ -11,7 +11,7 @@ import numpy as np
 
 from warp_mps.app import figures
 from warp_mps.app.camera import frame_points
-from warp_mps.app.colours import choose
+from warp_mps.app.colours import choose, choose_second, colourable
 from warp_mps.app.result import Animation, refuse_existing
 from warp_mps.app.sheet import SMALLEST, Sheet, field, suitable_size
 from warp_mps.app.splat import Spheres, Surface, nearest, obscurance, shade
@@ -65,6 +65,7 @@ class Painter:
     def __init__(self, animation: Animation, look: Look = AS_SUITS) -> None:
         self.animation = animation
         self.colouring = choose(animation, look.colour, look.limits)
+        self._second = choose_second(animation, self.colouring) if look.colour is None else None
         self._frames = animation.some_frames()
         points, widths = self._everywhere()
         axes, self._flat = _axes(points, animation.up_axis, look.view)
@@ -84,9 +85,8 @@ class Painter:
         """The scene alone, on white, finely; shape [FINE height, FINE width, 3]."""
         width, height = FINE * self.size[0], FINE * self.size[1]
         spheres, owners = self._spheres(frame), self._owners
-        colors = np.concatenate(
-            [self.colouring.colors(self.animation, cloud, frame) for cloud in range(len(self.animation.clouds))]
-        ).astype(np.float32)
+        clouds = range(len(self.animation.clouds))
+        colors = np.concatenate([self._colors(cloud, frame) for cloud in clouds]).astype(np.float32)
         image, surface = self._layer(spheres, ~np.isin(owners, self._glass), colors, width, height)
         image[~surface.covered] = 1.0
         for cloud in self._glass:
@@ -94,6 +94,13 @@ class Painter:
             clear = before.covered & (before.depths < surface.depths)
             image[clear] += GLASS * (glass[clear] - image[clear])
         return image
+
+    def _colors(self, cloud: int, frame: int) -> np.ndarray:
+        """Colours of a cloud, shape [n, 3]."""
+        colouring = self.colouring
+        if self._second and colourable(self.animation, cloud, self._second.name):
+            colouring = self._second
+        return colouring.colors(self.animation, cloud, frame)
 
     def _layer(
         self, spheres: Spheres, kept: np.ndarray, colors: np.ndarray, width: int, height: int
@@ -172,7 +179,8 @@ class Painter:
         # a view from near has no one scale
         meters = self.animation.meters_per_unit * FINE / self.camera.scale if self._flat else None
         names = {cloud.name: tuple(cloud.color) for cloud in clouds}
-        return Sheet(self.size, self.colouring, names, meters)
+        colourings = [self.colouring] if self._second is None else [self.colouring, self._second]
+        return Sheet(self.size, colourings, names, meters)
 
 
 def draw_picture(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -51,7 +51,7 @@ class Sheet:
 
     Args:
         size: Width and height [px].
-        colouring: What the colours mean.
+        colourings: What the colours mean; there may be several.
         names: Names of the bodies, walls and fluids and their own colours.
         meters: Length that a pixel shows [m]; None where that varies.
     """
@@ -59,7 +59,7 @@ class Sheet:
     def __init__(
         self,
         size: tuple[int, int],
-        colouring: Colouring,
+        colourings: Sequence[Colouring],
         names: Mapping[str, tuple[float, ...]],
         meters: float | None,
     ) -> None:
@@ -74,10 +74,11 @@ class Sheet:
             self._headline = self._write(STRIPS[0], 20.0, "", size=13.0, weight="bold", va="top")
             if meters is not None:
                 self._draw_length(meters)
-            if colouring.name == "body":
+            if colourings[0].name == "body":
                 self._list(names)
             else:
-                self._draw_bar(colouring)
+                for number, colouring in enumerate(colourings):
+                    self._draw_bar(colouring, number, len(colourings))
 
     def fill(self, pixels: np.ndarray, headline: str) -> np.ndarray:
         """The whole picture, as bytes, shape [height, width, 3].
@@ -97,12 +98,15 @@ class Sheet:
         more = {"color": figures.INK, **more}
         return self._figure.text(*place, text, fontsize=size * self._scale, parse_math=False, **more)
 
-    def _draw_bar(self, colouring: Colouring) -> None:
+    def _draw_bar(self, colouring: Colouring, number: int, count: int) -> None:
+        """A colour bar beside the scene, one of some above each other."""
         (width, height), unit = self._size, self._scale
         _, top, _, bottom = field(self._size)
-        tall = 0.94 * min(bottom - top, 420.0 * unit)
-        low = height - 0.5 * (top + bottom + tall)
-        box = ((width - 106.0 * unit) / width, low / height, 16.0 * unit / width, tall / height)
+        middle, tall = 0.5 * (top + bottom), min(bottom - top, 420.0 * unit if count == 1 else 640.0 * unit)
+        # from the top of the picture to the bottom of this bar
+        down = middle - 0.5 * tall + tall * (number + 1) / count
+        tall *= 0.94 / count if count == 1 else 0.86 / count
+        box = ((width - 106.0 * unit) / width, (height - down) / height, 16.0 * unit / width, tall / height)
         ends = {(True, True): "both", (True, False): "min", (False, True): "max"}
         factor, _ = colouring.prefix
         mappable = ScalarMappable(Normalize(colouring.low / factor, colouring.high / factor), colouring.colormap)
