@@ -9,7 +9,7 @@ import warp as wp
 from tests.fluid.scenes import KINDS, apart
 from warp_mps.core.device import open_device
 from warp_mps.core.kit import kit
-from warp_mps.fluid.lists import NeighbourLists
+from warp_mps.fluid.lists import MOST_ROOM, NeighbourLists
 from warp_mps.fluid.operators import SKIN
 
 L0 = 0.1
@@ -181,6 +181,25 @@ def test_too_many_neighbours_are_reported_and_not_written_past_the_room() -> Non
     # it is not forgotten when the crowd has parted
     cloud.move(points(300, seed=2))
     assert cloud.lists.overflowed() is not None
+    assert cloud.lists.crowded()
+
+
+def test_lists_grow_until_a_crowd_has_room() -> None:
+    x = points(300)
+    crowd = np.arange(40, 90)
+    x[crowd] = [0.1, 0.9] + 0.01 * L0 * x[crowd]
+    cloud = Cloud(x, neighbours=24)
+    lists, room = cloud.lists, cloud.lists.listed.shape[1]
+    while lists.crowded() and lists.can_grow:
+        lists.grow()
+        lists.renew(cloud.x, cloud.lost)
+    assert lists.listed.shape[1] in (2 * room, 4 * room)
+    assert lists.overflowed() is None
+    assert cloud.listed == cloud.near(REACH)
+    for _ in range(5):
+        if lists.can_grow:
+            lists.grow()
+    assert lists.listed.shape[1] == MOST_ROOM * room
 
 
 def test_no_crowd_is_reported_where_there_is_none() -> None:

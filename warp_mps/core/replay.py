@@ -35,3 +35,7 @@ class Replay:
         if name not in self._graphs:
             self._graphs[name] = capture(launch, self._device)
         wp.capture_launch(self._graphs[name])
+
+    def forget(self) -> None:
+        """Capture everything anew, for arrays have been replaced."""
+        self._graphs.clear()

@@ -23,10 +23,7 @@ class FluidFailures(FluidReadings):
 
     def trouble(self) -> str | None:
         """Why the run cannot go on, if it cannot."""
-        if (particle := self.lists.overflowed()) is not None:
-            middle = f"{self._which(particle)} at {self._where(particle)}"
-            return f"more particles crowd about {middle} than a neighbour list holds: the flow has collapsed there"
-        return self._leak() if self.lost() else None
+        return self._crowd() or (self._leak() if self.lost() else None)
 
     def failure(self, left: int) -> str | None:
         """Why no further step makes sense, if none does.
@@ -34,7 +31,7 @@ class FluidFailures(FluidReadings):
         Args:
             left: Steps that are left up to the time that they go towards.
         """
-        if (trouble := self._stuck()) is not None:
+        if (trouble := self._crowd() or self._stuck()) is not None:
             return trouble
         if left > LARGEST_SPEED * max(self._interval / self._longest, 1.0):
             return self.runaway()
@@ -52,6 +49,13 @@ class FluidFailures(FluidReadings):
     def fastest(self) -> str:
         """The fastest particle of all, and how fast it is."""
         return self._moving(int(np.argmax(np.abs(self.state.u.numpy()).max(axis=1))))
+
+    def _crowd(self) -> str | None:
+        """Where more particles crowd than neighbour lists may have room for, if they do."""
+        if self.lists.can_grow or (particle := self.lists.overflowed()) is None:
+            return None
+        middle = f"{self._which(particle)} at {self._where(particle)}"
+        return f"more particles crowd about {middle} than a neighbour list holds: the flow has collapsed there"
 
     def _leak(self) -> str | None:
         """Which particle has left the domain, if too many have, or one whose place is no number."""

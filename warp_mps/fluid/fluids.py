@@ -163,8 +163,10 @@ class Fluids(FluidFailures):
         self.state.impulse.zero_()
         first = int(self.state.steps.numpy()[0])
         self._velocities_before, self._interval = self.velocities(), time - before
+        self._make_room()
         while True:
             self._take_step()
+            self._make_room()
             left = int(self._left.numpy()[0])
             if (failure := self.failure(left)) is not None:
                 raise RunError(f"at t = {self.time:.6g} s: {failure}")
@@ -175,6 +177,21 @@ class Fluids(FluidFailures):
         if steps // SORT_EVERY > first // SORT_EVERY:
             self._sort()
         return steps - first
+
+    def _make_room(self) -> None:
+        """Give the neighbour lists, and the rows that follow them, more room where particles crowd."""
+        if not (self.lists.crowded() and self.lists.can_grow):
+            return
+        while self.lists.crowded() and self.lists.can_grow:
+            self.lists.grow()
+            self.lists.renew(self.state.x, self.state.lost)
+        room = self._m * self.lists.listed.shape[1]
+        index = wp.zeros(room, dtype=wp.int32, device=self._device)
+        value = wp.zeros(room, dtype=self._kit.real, device=self._device)
+        self._matrix = self._matrix._replace(index=index, value=value)
+        if self._implicit:
+            self._implicit.use(self._matrix)
+        self._replay.forget()
 
     def aim(self, time: float) -> None:
         """Set the time that steps go towards [s]."""
@@ -340,6 +357,7 @@ class Fluids(FluidFailures):
         present = arrays["x"]
         self.state.assign({**arrays, "x": arrays["x_listed"]})
         self.lists.renew(self.state.x, self.state.lost)
+        self._make_room()
         self.state.x.assign(present)
         self.state.stale.assign(arrays["stale"])
         self._place(self.state.time)

@@ -3,6 +3,9 @@
 They are found with `wp.HashGrid`, a margin beyond the effective radius, and made anew when a particle has moved by half
 of that margin. The grid is built over coordinates in units of its cells, so that along a periodic axis a whole number
 of cells fits the period: the grid's own wrapping then finds the neighbours across it.
+
+A list has room for more neighbours than water has. Where a cluster of particles comes close to filling one, all lists
+get twice the room, up to a limit; a cluster that comes at once, and does not fit, is left out of its lists until then.
 """
 
 import functools
@@ -18,6 +21,8 @@ from warp_mps.fluid.operators import SKIN
 METHOD = "fluid"
 # room for neighbours, in units of those in a full lattice with the margin
 ROOM = 1.6
+# share of the room from which on lists ask for more, and the room that they may have, in units of that at first
+FULL, MOST_ROOM = 0.75, 8
 MOST_CELLS = {2: 4096, 3: 512}
 
 
@@ -77,6 +82,7 @@ def list_kernels(kit: Kit) -> SimpleNamespace:
         count_out: wp.array(dtype=wp.int32),
         x_listed_out: wp.array(dtype=vec),
         overflow_out: wp.array(dtype=wp.int32),
+        crowded_out: wp.array(dtype=wp.int32),
         stale_out: wp.array(dtype=wp.int32),
     ):
         """List the neighbours of a particle; walls, which come first, are none to each other."""
@@ -95,6 +101,8 @@ def list_kernels(kit: Kit) -> SimpleNamespace:
                         else:
                             overflow_out[0] = i + 1
         count_out[i] = n
+        if real(n) > real(FULL) * real(listed_out.shape[1]):
+            crowded_out[0] = 1
         x_listed_out[i] = x_i
         if i == 0:
             stale_out[0] = 0
@@ -155,9 +163,11 @@ class NeighbourLists:
         self._points = wp.zeros(count, dtype=kit.vec3, device=device)
         self.x_listed = wp.zeros(count, dtype=kit.vec, device=device)
         self.listed = wp.zeros((count, width), dtype=wp.int32, device=device)
+        self._most_room = MOST_ROOM * width
         self.count = wp.zeros(count, dtype=wp.int32, device=device)
         self.stale = wp.zeros(1, dtype=wp.int32, device=device)
         self._overflow = wp.zeros(1, dtype=wp.int32, device=device)
+        self._crowded = wp.zeros(1, dtype=wp.int32, device=device)
 
     def renew(self, x: wp.array, lost: wp.array) -> None:
         """Launch new lists, whether or not the old ones are stale."""
@@ -175,8 +185,25 @@ class NeighbourLists:
         particle = int(self._overflow.numpy()[0])
         return particle - 1 if particle else None
 
+    @property
+    def can_grow(self) -> bool:
+        """Whether the lists may have more room."""
+        return 2 * self.listed.shape[1] <= self._most_room
+
+    def crowded(self) -> bool:
+        """Whether a list has come close to its room, or beyond it, since they were given more."""
+        return bool(self._crowded.numpy()[0])
+
+    def grow(self) -> None:
+        """Give the lists twice the room, in new arrays; they are empty until they are made anew."""
+        count, width = self.listed.shape
+        self.listed = wp.zeros((count, 2 * width), dtype=wp.int32, device=self._device)
+        self.count.zero_()
+        self._overflow.zero_()
+        self._crowded.zero_()
+
     def _search(self, x: wp.array, lost: wp.array) -> None:
         self._grid.build(self._points, 1.0)
         inputs = [self._grid.id, self._reach, self.period, self._walls, self._points, x, lost]
-        outputs = [self.listed, self.count, self.x_listed, self._overflow, self.stale]
+        outputs = [self.listed, self.count, self.x_listed, self._overflow, self._crowded, self.stale]
         wp.launch(self._kernels.search, len(x), inputs, outputs, device=self._device)

@@ -119,12 +119,16 @@ class ImplicitViscosity:
 
     def __init__(self, n: int, walls: int, matrix: Matrix, *, kit: Kit, device: Any) -> None:
         self._kernels, self._device, self._n, self._walls = viscous_kernels(kit), device, n, walls
-        self._matrix = matrix._replace(singular=None)
+        self.use(matrix)
         m = n - walls
         self._rhs = wp.zeros((kit.dimension, m), dtype=wp.float64, device=device)
         self._solution = wp.zeros((kit.dimension, m), dtype=wp.float64, device=device)
         self.solver = ConjugateGradient(m, kit=kit, device=device, tolerance=TOLERANCE, max_iterations=MAX_ITERATIONS)
         self.u = wp.zeros(n, dtype=kit.vec, device=device)
+
+    def use(self, matrix: Matrix) -> None:
+        """Take other room for the matrix."""
+        self._matrix = matrix._replace(singular=None)
 
     def solve(self, constants: list[Any], state: list[wp.array], u: wp.array) -> None:
         """Launch the solve; arguments of the kernel `rows` up to its outputs, and the velocities before the step."""
