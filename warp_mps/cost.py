@@ -153,12 +153,11 @@ def _of_bodies(scene: Scene, particles: Particles) -> float:
         return 0.0
     limit, _ = step_limit(scene, particles)
     dt = min(limit, scene.time_step or limit)
-    if takes_implicit_steps(scene, particles):
+    if takes_implicit_steps(scene):
         iterations = min(LINEAR * particles.elastic ** (1.0 / scene.dimension), 1.0 + 2.0 * dt / stable_step(scene))
         steps = PRODUCT * NEWTON["dynamic"] * iterations
     else:
-        # which are damped
-        steps = VISCOUS[scene.dimension] * dt / substep(scene, particles, Clock(scene).dt)
+        steps = dt / substep(scene, particles, Clock(scene).dt)[0]
     neighbours = lattice_neighbours(scene.dimension, scene.elasticity.effective_radius)
     contact = _contact_of(scene, SECONDS_OF_CONTACT, SECONDS_OF_FRICTION)
     pairs = neighbours * SECONDS_PER_PAIR[scene.elasticity.model][scene.dimension]

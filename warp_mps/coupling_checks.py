@@ -25,9 +25,9 @@ def check_coupling(scene: Scene) -> None:
     """
     if not (scene.bodies and scene.fluids):
         return
-    model = scene.elasticity.model
-    reason = f"is {model!r}, which has no viscosity to damp what the steps of the water cannot resolve; use hamiltonian"
-    require(model == "hamiltonian", scene.path, "model", reason)
+    clipped = scene.flow.negative_pressure == "clipped"
+    reason = f"is {scene.flow.negative_pressure!r}, must be 'clipped' beside elastic bodies: water does not pull"
+    require(clipped, scene.path, "flow.negative_pressure", reason)
     fluid = scene.fluids[0]
     for body in scene.bodies:
         ratio = fluid.spacing / body.spacing

@@ -36,11 +36,20 @@ def check_implicit(scene: Scene) -> None:
     require(model == "hamiltonian", where, "model", reason)
     if not scene.fluids:  # which have walls of their own
         require(not scene.walls, where, attribute, f"is {word!r}, which knows no walls: use supports")
-    several = len(joined(scene.bodies[0], scene)) < len(scene.bodies) or bool(scene.walls)
-    touch = scene.contact.between == "all" or (scene.contact.between == "bodies" and several)
-    require(not touch, where, "contact", f"is {scene.contact.between!r}; {word!r} knows no contact: it must be 'none'")
+    require(
+        not touches(scene),
+        where,
+        "contact",
+        f"is {scene.contact.between!r}; {word!r} knows no contact: it must be 'none'",
+    )
     if scene.analysis == "dynamic":
         _in_steps(scene)
+
+
+def touches(scene: Scene) -> bool:
+    """Whether elastic bodies can touch each other, themselves or walls."""
+    several = len(joined(scene.bodies[0], scene)) < len(scene.bodies) or bool(scene.walls)
+    return scene.contact.between == "all" or (scene.contact.between == "bodies" and several)
 
 
 def _at_rest(scene: Scene) -> None:

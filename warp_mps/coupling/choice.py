@@ -9,37 +9,17 @@ it does, by a viscous stress of the retardation time (2 theta - 1) dt, with the 
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 from warp_mps.elastic.material import stable_time_step
 from warp_mps.fluid.limits import step_limit
+from warp_mps.implicit_checks import touches
 from warp_mps.particles import Particles
-from warp_mps.scene import Material, Scene
+from warp_mps.scene import Scene
 
 # of the largest stable step: what a step of the bodies has at most
 SAFETY = 0.9
-# sub-steps in the longest step of the water above which an implicit step is quicker
-MOST_SUBSTEPS = 200
 # the least number of sub-steps in the longest step, so that the water's can be shortened where it is fast
 LEAST_SUBSTEPS = 4
-
-
-def damped(scene: Scene, particles: Particles) -> Scene:
-    """The scene with the least damping of its bodies that explicit steps within those of the water need."""
-    least = (2.0 * scene.theta - 1.0) * _longest(scene, particles)
-
-    def damp(material: Material) -> Material:
-        return replace(material, retardation_time=max(material.retardation_time, least))
-
-    bodies = tuple(
-        replace(
-            body,
-            material=damp(body.material),
-            parts=tuple(replace(part, material=damp(part.material)) for part in body.parts),
-        )
-        for body in scene.bodies
-    )
-    return replace(scene, bodies=bodies)
 
 
 def stable_step(scene: Scene) -> float:
@@ -48,24 +28,30 @@ def stable_step(scene: Scene) -> float:
     return SAFETY * min(stable_time_step(body, scene) for body in scene.bodies) / slower
 
 
-def takes_implicit_steps(scene: Scene, particles: Particles) -> bool:
+def takes_implicit_steps(scene: Scene) -> bool:
     """Whether the bodies follow the water implicitly.
 
-    As the scene says; ``auto`` is implicit where explicit steps would be more than `MOST_SUBSTEPS` for one of the
-    water, and where nothing speaks against it: contact, or viscosity of a material.
+    As the scene says; ``auto`` is implicit where nothing speaks against it: another model than ``hamiltonian``, a
+    contact, or a viscosity of the material. Explicit steps see the water's force constant over its whole step. That is
+    right for soft bodies, whose oscillations out of the water are slow against that step, and not for stiff ones.
     """
     if scene.integrator != "auto":
         return scene.integrator == "implicit"
     viscous = any(material.retardation_time for material in scene.materials)
-    if scene.contact.between != "none" or viscous:
-        return False
-    return _longest(scene, particles) > MOST_SUBSTEPS * stable_step(damped(scene, particles))
+    return scene.elasticity.model == "hamiltonian" and not touches(scene) and not viscous
 
 
-def substep(scene: Scene, particles: Particles, interval: float) -> float:
-    """Length of the bodies' explicit steps, of which a whole number makes an interval between two samples [s]."""
-    longest = min(stable_step(damped(scene, particles)), _longest(scene, particles) / LEAST_SUBSTEPS)
-    return interval / math.ceil(interval / longest)
+def substep(scene: Scene, particles: Particles, interval: float) -> tuple[float, float]:
+    """Length of the bodies' explicit steps, and the retardation time that damps what the water cannot follow [s].
+
+    A whole number of steps makes an interval between two samples. The viscous force is that of the step before, and
+    2/omega_max shrinks to (sqrt(1 + s^2) - s) 2/omega_max, s = tau omega_max/2 (Belytschko, Liu and Moran, chapter 6).
+    """
+    longest, stable = _longest(scene, particles), stable_step(scene)
+    tau = (2.0 * scene.theta - 1.0) * longest
+    ratio = tau * SAFETY / stable
+    stable *= math.sqrt(1.0 + ratio**2) - ratio
+    return interval / math.ceil(interval / min(stable, longest / LEAST_SUBSTEPS)), tau
 
 
 def _longest(scene: Scene, particles: Particles) -> float:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from warp_mps.core.kit import Kit
-from warp_mps.coupling.choice import damped, substep, takes_implicit_steps
+from warp_mps.coupling.choice import substep, takes_implicit_steps
 from warp_mps.coupling.exchange import METHOD, coupling_kernels
 from warp_mps.coupling.marker_kernels import marker_kernels
 from warp_mps.coupling.markers import Markers
@@ -19,6 +19,9 @@ from warp_mps.elastic.stresses import StressFields
 from warp_mps.energy import Energy
 from warp_mps.particles import Particles
 from warp_mps.scene import Scene
+
+# of the bodies' linear systems: passes begin close to their solutions
+LINEAR_TOLERANCE = 1e-3
 
 
 def declare_kernels(kit: Kit) -> list[str]:
@@ -53,7 +56,7 @@ class Hydroelastic:
         self, scene: Scene, particles: Particles, *, interval: float, kit: Kit, device: Any, graphs: bool = True
     ) -> None:
         self._particles, self._elastic = particles, particles.elastic
-        self.implicit = takes_implicit_steps(scene, particles)
+        self.implicit = takes_implicit_steps(scene)
         markers = Markers(particles, scene.fluids[0].spacing, kit=kit, device=device)
         self.structure = self._make_structure(scene, particles, interval, kit, device, graphs)
         self.solid = self.structure.solid
@@ -68,10 +71,11 @@ class Hydroelastic:
         if self.implicit:
             alone = replace(scene, walls=(), integrator="implicit", time_step=interval, **dry)
             part = particles.elastic_part()
-            return ImplicitStructure(ImplicitSolid(alone, part, dt=interval, **options))
-        dt = substep(scene, particles, interval)
-        alone = replace(damped(scene, particles), integrator="explicit", time_step=dt, **dry)
-        return SubsteppedStructure(alone, particles.dry_part(), dt=dt, **options)
+            solid = ImplicitSolid(alone, part, dt=interval, linear_tolerance=LINEAR_TOLERANCE, **options)
+            return ImplicitStructure(solid)
+        dt, tau = substep(scene, particles, interval)
+        alone = replace(scene, integrator="explicit", time_step=dt, **dry)
+        return SubsteppedStructure(alone, particles.dry_part(), dt=dt, retardation_time=tau, **options)
 
     def start(self) -> None:
         """Evaluate what the first step begins with."""

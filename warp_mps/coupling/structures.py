@@ -20,6 +20,10 @@ from warp_mps.elastic.solid import Solid
 from warp_mps.particles import Particles
 from warp_mps.scene import Scene
 
+# residual of an implicit step in passes that are not the last, relative to its forces: far below what passes agree to,
+# for what it leaves is noise to them
+TRIAL_TOLERANCE = 1e-6
+
 
 class Structure(Protocol):
     """Elastic bodies under forces of water.
@@ -40,8 +44,8 @@ class Structure(Protocol):
     def save(self) -> None:
         """Keep the present state: every step starts from it."""
 
-    def advance(self, time: float) -> None:
-        """Take the step that `fit` gave, to a time [s], from the state that was kept.
+    def advance(self, time: float, *, trial: bool = False) -> None:
+        """Take the step that `fit` gave, to a time [s], from the state that was kept; as a trial, less exactly.
 
         Raises:
             RunError: The step could not be solved.
@@ -76,10 +80,10 @@ class ImplicitStructure:
         """Keep the present state."""
         self.solid.save()
 
-    def advance(self, time: float) -> None:
+    def advance(self, time: float, *, trial: bool = False) -> None:
         """Take a step."""
         self.solid.restore()
-        self.solid.advance(time)
+        self.solid.advance(time, tolerance=TRIAL_TOLERANCE if trial else None)
 
     def arrays(self) -> dict[str, np.ndarray]:
         """Everything that evolves."""
@@ -102,15 +106,25 @@ class SubsteppedStructure:
         scene: The case without its fluids.
         particles: Its particles without those of fluids.
         dt: Time step of the bodies [s].
+        retardation_time: Of a numerical viscosity, beside that of the materials [s].
         kit: Number types.
         device: Warp device.
         graphs: Whether launches are replayed as graphs.
     """
 
     def __init__(
-        self, scene: Scene, particles: Particles, *, dt: float, kit: Kit, device: Any, graphs: bool = True
+        self,
+        scene: Scene,
+        particles: Particles,
+        *,
+        dt: float,
+        retardation_time: float,
+        kit: Kit,
+        device: Any,
+        graphs: bool = True,
     ) -> None:
-        self.solid = Solid(scene, particles, dt=dt, kit=kit, device=device, loaded=True)
+        options: dict[str, Any] = {"kit": kit, "device": device}
+        self.solid = Solid(scene, particles, dt=dt, loaded=True, retardation_time=retardation_time, **options)
         assert self.solid.external is not None
         self.external, self.dt = self.solid.external, dt
         self._kernels, self._device = marker_kernels(kit), device
@@ -131,7 +145,7 @@ class SubsteppedStructure:
         """Keep the present state."""
         self._replay("save", self._snapshot.save)
 
-    def advance(self, time: float) -> None:
+    def advance(self, time: float, *, trial: bool = False) -> None:
         """Take the sub-steps; the force that the first one starts with is already that of this step."""
         self._replay("begin", self._begin)
         rest, block = self._count, 1

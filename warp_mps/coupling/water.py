@@ -200,7 +200,7 @@ class WetFluids(Fluids):
         """Forces on the markers that agree with the pressures, and those that the equation answered to."""
         forces: np.ndarray = self._guess
         for count in range(1, MOST_PASSES + 1):
-            self._take(forces, time)
+            self._take(forces, time, trial=True)
             self._replay("project", self._project)
             found = np.stack((self._pressed.numpy(), self._approximate.numpy().astype(float)))
             scale = float(np.linalg.norm(found))
@@ -215,12 +215,12 @@ class WetFluids(Fluids):
         self.exchange.add(count, residual, agreed=residual <= TOLERANCE)
         return found
 
-    def _take(self, forces: np.ndarray, time: float) -> None:
+    def _take(self, forces: np.ndarray, time: float, *, trial: bool = False) -> None:
         """Take the bodies' step under forces on the markers."""
         self._force.assign(forces[0])
         self._about.assign(forces[1])
         self._markers.share(self._force, self._structure.external)
-        self._structure.advance(time)
+        self._structure.advance(time, trial=trial)
 
     def _probe(self, time: float) -> None:
         """Measure how the bodies answer to a uniform pressure more, and to one that grows along an axis."""
@@ -236,7 +236,7 @@ class WetFluids(Fluids):
         return self._approximate.numpy().astype(float)
 
     def _answer_to(self, forces: np.ndarray, time: float) -> np.ndarray:
-        self._take(np.stack((forces, forces)), time)
+        self._take(np.stack((forces, forces)), time, trial=True)
         self._markers.accelerate(self._dt, self._v_before, self._structure.solid.state, self.state.a)
         return self.state.a.numpy()[: self._markers.count].astype(float)
 

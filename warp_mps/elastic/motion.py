@@ -18,7 +18,7 @@ METHOD = "elastic"
 
 @functools.cache
 def motion_kernels(kit: Kit) -> SimpleNamespace:
-    """Kernels `drift`, `kick`, `damp`, `add` and `tick`."""
+    """Kernels `drift`, `kick`, `damp`, `retard`, `add` and `tick`."""
     real, vec = kit.real, kit.vec
 
     @kit.kernel(METHOD)
@@ -80,6 +80,27 @@ def motion_kernels(kit: Kit) -> SimpleNamespace:
         dissipated[i] = dissipated[i] + loss
 
     @kit.kernel(METHOD)
+    def retard(
+        # Model:
+        first: wp.int32,
+        dt: real,
+        factor: real,
+        # State in:
+        v: wp.array(dtype=vec),
+        # State in and out:
+        before: wp.array(dtype=vec),
+        force: wp.array(dtype=vec),
+        dissipated: wp.array(dtype=wp.float64),
+    ):
+        """Add a viscous force: `factor` times the last change of the elastic one, that of its stiffness."""
+        i = first + wp.tid()
+        elastic = force[i]
+        viscous = factor * (elastic - before[i])
+        before[i] = elastic
+        force[i] = elastic + viscous
+        dissipated[i] = dissipated[i] - wp.float64(dt * wp.dot(viscous, v[i]))
+
+    @kit.kernel(METHOD)
     def add(
         # State in:
         external: wp.array(dtype=vec),
@@ -95,4 +116,4 @@ def motion_kernels(kit: Kit) -> SimpleNamespace:
         """Count a step. Times are multiples of dt, so that they do not drift."""
         steps[0] = steps[0] + 1
 
-    return SimpleNamespace(drift=drift, kick=kick, damp=damp, add=add, tick=tick)
+    return SimpleNamespace(drift=drift, kick=kick, damp=damp, retard=retard, add=add, tick=tick)

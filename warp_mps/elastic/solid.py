@@ -83,12 +83,22 @@ class Solid:
         kit: Number types.
         device: Warp device.
         loaded: Whether there are external forces.
+        retardation_time: Of a numerical viscosity proportional to the stiffness, whatever the model [s]; its force is
+            that of the step before.
     """
 
     external: wp.array | None
 
     def __init__(
-        self, scene: Scene, particles: Particles, *, dt: float, kit: Kit, device: Any, loaded: bool = False
+        self,
+        scene: Scene,
+        particles: Particles,
+        *,
+        dt: float,
+        kit: Kit,
+        device: Any,
+        loaded: bool = False,
+        retardation_time: float = 0.0,
     ) -> None:
         self._kit, self._device, self._dt = kit, device, dt
         self._n = particles.elastic
@@ -112,6 +122,8 @@ class Solid:
         self._values = wp.zeros((4, particles.count), dtype=kit.real, device=device)
         self._chunks = wp.zeros((4, -(-particles.count // CHUNK)), dtype=wp.float64, device=device)
         self._hold_still(particles)
+        self._retardation = retardation_time / dt
+        self._elastic_before = wp.zeros(self._n if retardation_time else 0, dtype=kit.vec, device=device)
         self.external = wp.zeros(particles.count, dtype=kit.vec, device=device) if loaded else None
         self.phases = self._make_phases()
 
@@ -125,6 +137,8 @@ class Solid:
         if self.viscosity:
             self.viscosity.launch_stress(self.state, 0.0, 0, self._n)
             self.viscosity.launch_force(self.state, 0, self._n)
+        if self._retardation:
+            wp.copy(self._elastic_before, self.state.force, count=self._n)
         if self.contacts:
             self._touch(self.contacts)
         self.outside.push(self.state.force, self._mass)
@@ -166,6 +180,8 @@ class Solid:
             viscous = [Phase(name, launch, splits=True, follows=True) for name, launch in launches.items()]
             passes = [phase for pair in zip(passes, viscous, strict=True) for phase in pair]
         phases += passes
+        if self._retardation:
+            phases.append(Phase("retard", self._retard, splits=True, follows=True))
         if contacts:
             phases.append(Phase("contact", lambda *_: self._touch(contacts)))
         if self.outside.moving:
@@ -283,7 +299,7 @@ class Solid:
     def evolving(self) -> list[wp.array]:
         """Device arrays of everything that evolves: a step goes on from their contents."""
         parts = (self.state, self.outside, self.model.spins, self.viscosity, self.walls, self.contacts)
-        return [array for part in parts if part for array in part.evolving()]
+        return [*(array for part in parts if part for array in part.evolving()), self._elastic_before]
 
     def arrays(self) -> dict[str, np.ndarray]:
         """Everything that evolves, for a checkpoint."""
@@ -291,7 +307,8 @@ class Solid:
         viscous = self.viscosity.arrays() if self.viscosity else {}
         walls = self.walls.arrays() if self.walls else {}
         contact = self.contacts.arrays() if self.contacts else {}
-        return {**self.state.arrays(), **spins, **viscous, **self.outside.arrays(), **walls, **contact}
+        retarded = {"elastic_before": self._elastic_before.numpy().copy()} if self._retardation else {}
+        return {**self.state.arrays(), **spins, **viscous, **self.outside.arrays(), **walls, **contact, **retarded}
 
     def assign(self, arrays: dict[str, np.ndarray]) -> None:
         """Continue from arrays that `arrays` gave."""
@@ -301,6 +318,8 @@ class Solid:
             self.model.spins.assign(arrays)
         if self.viscosity:
             self.viscosity.assign(arrays)
+        if self._retardation:
+            self._elastic_before.assign(arrays["elastic_before"])
         if self.walls:
             self.walls.assign(arrays, self.outside.steps)
         # what a step makes anew, but a look at this moment needs already
@@ -346,6 +365,11 @@ class Solid:
     def _kick(self, dt: float, first: int, count: int) -> None:
         inputs = [first, dt, self._gravity, self._mass, self._inverse_mass]
         wp.launch(self._motion.kick, count, inputs, [self.state.force, self.state.v], device=self._device)
+
+    def _retard(self, first: int, count: int) -> None:
+        inputs = [first, self._dt, self._retardation, self.state.v]
+        outputs = [self._elastic_before, self.state.force, self.state.dissipated]
+        wp.launch(self._motion.retard, count, inputs, outputs, device=self._device)
 
     def _add_external(self) -> None:
         wp.launch(self._motion.add, self._n, [self.external], [self.state.force], device=self._device)

@@ -82,6 +82,7 @@ class Newton:
         device: Warp device.
         graphs: Whether launches are replayed as graphs.
         tolerance: Norm of the residual that is asked for, relative to the forces; None is that of `TOLERANCES`.
+        linear_tolerance: Of the linear systems, relative to their right-hand sides.
     """
 
     def __init__(
@@ -95,6 +96,7 @@ class Newton:
         device: Any,
         graphs: bool = True,
         tolerance: float | None = None,
+        linear_tolerance: float = LINEAR_TOLERANCE,
     ) -> None:
         self._kernels, self._device = newton_kernels(kit), device
         self._run = Replay(device=device, graphs=graphs)
@@ -119,27 +121,39 @@ class Newton:
             n,
             kit=kit,
             device=device,
-            tolerance=LINEAR_TOLERANCE,
+            tolerance=linear_tolerance,
             max_iterations=max(1000, 4 * n),
             preconditioner=self.tangent,
         )
         self.statistics = NewtonStatistics()
 
-    def solve(self, *, jumps: bool, measure: bool = False) -> bool:
+    def solve(
+        self,
+        *,
+        jumps: bool,
+        measure: bool = False,
+        guess: Callable[[], None] | None = None,
+        tolerance: float | None = None,
+    ) -> bool:
         """Find the equilibrium from the present displacements on.
 
         Args:
             jumps: Whether held axes are not in their places yet.
             measure: Whether the residual may also be measured by the one that there is at the start.
+            guess: Launches displacements to begin with instead, if the residual is smaller there.
+            tolerance: Asked for this time, if that of all times is not.
 
         Returns:
             Whether it was found; if not, the displacements are where the search ended.
         """
+        tolerance = max(tolerance or 0.0, self._tolerance)
         now = self._look("evaluate", self._evaluate)
         first = now.residual if measure else 0.0
+        if guess:
+            now = self._better(now, guess)
         iterations = 0
         while math.isfinite(now.residual):
-            if not jumps and now.residual <= self._tolerance * max(now.scale, first):
+            if not jumps and now.residual <= tolerance * max(now.scale, first):
                 return self._count(iterations, now.residual / (max(now.scale, first) or 1.0), found=True)
             if iterations == MOST_ITERATIONS:
                 break
@@ -151,6 +165,16 @@ class Newton:
             now, whole = done
             jumps = jumps and not whole
         return self._count(iterations, now.residual / (max(now.scale, first) or 1.0), found=False)
+
+    def _better(self, now: _Look, guess: Callable[[], None]) -> _Look:
+        """Go to a guess, or stay where the residual is smaller."""
+        wp.copy(self._kept, self._state.u)
+        self._run("guess", guess)
+        there = self._look("evaluate", self._evaluate)
+        if there.residual < now.residual:
+            return there
+        wp.copy(self._state.u, self._kept)
+        return self._look("evaluate", self._evaluate)
 
     def worst_particle(self) -> int:
         """Where the search ended furthest from equilibrium, or first with a number that is none."""

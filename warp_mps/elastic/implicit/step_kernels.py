@@ -11,7 +11,7 @@ from warp_mps.elastic.implicit.tangent import METHOD
 
 @functools.cache
 def step_kernels(kit: Kit) -> SimpleNamespace:
-    """Kernels `ramp`, `predict`, `static_work`, `begin`, `extrapolate`, `account` and `complete`."""
+    """Kernels of statics (`ramp`, `predict`, `static_work`) and of steps, in their order (`begin` to `complete`)."""
     real, vec, d = kit.real, kit.vec, kit.dimension
     real64 = wp.float64
 
@@ -105,6 +105,35 @@ def step_kernels(kit: Kit) -> SimpleNamespace:
         applied_out[i] = pushed + mass[i] * gravity
 
     @kit.kernel(METHOD)
+    def foresee(
+        # Model:
+        theta: wp.float64,
+        dt: wp.array(dtype=wp.float64),
+        free: wp.array(dtype=vec),
+        # State in:
+        u_before: wp.array(dtype=vec),
+        pace: wp.array(dtype=vec),
+        # State in and out:
+        u: wp.array(dtype=vec),
+    ):
+        """Where a pace leads to until t + theta dt, on free axes."""
+        i = wp.tid()
+        u[i] = u[i] + wp.cw_mul(free[i], u_before[i] + real(theta * dt[0]) * pace[i] - u[i])
+
+    @kit.kernel(METHOD)
+    def keep_pace(
+        # State in:
+        dt: wp.array(dtype=wp.float64),
+        u_before: wp.array(dtype=vec),
+        u: wp.array(dtype=vec),
+        # Out:
+        pace_out: wp.array(dtype=vec),
+    ):
+        """Mean velocity over a step."""
+        i = wp.tid()
+        pace_out[i] = (u[i] - u_before[i]) / real(dt[0])
+
+    @kit.kernel(METHOD)
     def extrapolate(
         # Model:
         theta: wp.float64,
@@ -193,5 +222,5 @@ def step_kernels(kit: Kit) -> SimpleNamespace:
         elastic_out[i] = force[i]
         force[i] = force[i] + load[i] + external[i] + mass[i] * gravity
 
-    made = (ramp, predict, static_work, begin, extrapolate, account, complete)
+    made = (ramp, predict, static_work, begin, foresee, keep_pace, extrapolate, account, complete)
     return SimpleNamespace(**{kernel.func.__name__: kernel for kernel in made})

@@ -27,7 +27,7 @@ from warp_mps.core.kit import Kit
 from warp_mps.core.replay import Replay
 from warp_mps.core.snapshot import Snapshot
 from warp_mps.elastic.hamiltonian_model import HamiltonianModel
-from warp_mps.elastic.implicit.newton import Newton
+from warp_mps.elastic.implicit.newton import LINEAR_TOLERANCE, Newton
 from warp_mps.elastic.implicit.records import solver_record
 from warp_mps.elastic.implicit.step_kernels import step_kernels
 from warp_mps.elastic.solid import Solid
@@ -53,7 +53,7 @@ class ImplicitSolid(Solid):
         kit: Number types.
         device: Warp device.
         graphs: Whether launches are replayed as graphs.
-        tolerance: Residual of a step relative to its forces, for a coupling that needs less than the default.
+        linear_tolerance: Of the linear systems of a step, relative to their right-hand sides.
     """
 
     def __init__(
@@ -65,21 +65,21 @@ class ImplicitSolid(Solid):
         kit: Kit,
         device: Any,
         graphs: bool = True,
-        tolerance: float | None = None,
+        linear_tolerance: float = LINEAR_TOLERANCE,
     ) -> None:
         super().__init__(scene, particles, dt=dt, kit=kit, device=device)
         assert isinstance(self.model, HamiltonianModel)
         state, held, n = self.state, self.outside.held, self._n
         self._kernels, self._theta = step_kernels(kit), scene.theta
         self._run = Replay(device=device, graphs=graphs)
-        options: dict[str, Any] = {"kit": kit, "device": device, "graphs": graphs, "tolerance": tolerance}
-        self.newton = Newton(self.model, state, self._mass, held, **options)
+        options: dict[str, Any] = {"kit": kit, "device": device, "graphs": graphs}
+        self.newton = Newton(self.model, state, self._mass, held, linear_tolerance=linear_tolerance, **options)
         self._free = wp.array(~held, dtype=kit.vec, device=device)
         self._length = wp.zeros(1, dtype=wp.float64, device=device)
         self._time = 0.0
-        vectors = [wp.zeros(n, dtype=kit.vec, device=device) for _ in range(9)]
+        vectors = [wp.zeros(n, dtype=kit.vec, device=device) for _ in range(10)]
         self.external, self._load, self._load_before, self._pushed, self._elastic = vectors[:5]
-        self._u_before, self._elastic_before, self._end, self._end_speed = vectors[5:]
+        self._u_before, self._elastic_before, self._end, self._end_speed, self._pace = vectors[5:]
         self._work = wp.zeros(n, dtype=wp.float64, device=device)
         evolving = [state.u, state.v, state.force, state.driven, state.dissipated]
         evolving += [self._load, self._elastic, self._work]
@@ -91,10 +91,15 @@ class ImplicitSolid(Solid):
         state = self.state
         self.outside.place(state.u, state.v, state.driven, self._mass, 0.0)
         self.outside.push(self._load, self._mass, 0.0)
+        wp.copy(self._pace, state.v)
         self._complete()
 
-    def advance(self, time: float) -> None:
+    def advance(self, time: float, *, tolerance: float | None = None) -> None:
         """Advance to a time [s] by one step.
+
+        Args:
+            time: The time [s].
+            tolerance: Residual of the step relative to its forces, where less than the default will do.
 
         Raises:
             RunError: The step's equation was not solved; the state is the one before.
@@ -107,7 +112,7 @@ class ImplicitSolid(Solid):
         self._load.zero_()
         self.outside.push(self._load, self._mass, time)
         self._run("begin", self._begin)
-        if not self.newton.solve(jumps=self.outside.driven, measure=True):
+        if not self.newton.solve(jumps=self.outside.driven, measure=True, guess=self._foresee, tolerance=tolerance):
             wp.copy(state.u, self._u_before)
             wp.copy(self._load, self._load_before)
             self._complete()
@@ -143,14 +148,15 @@ class ImplicitSolid(Solid):
 
     def arrays(self) -> dict[str, np.ndarray]:
         """Everything that evolves, for a checkpoint."""
-        own = {"load": self._load, "elastic": self._elastic, "implicit_work": self._work}
+        own = {"load": self._load, "elastic": self._elastic, "implicit_work": self._work, "pace": self._pace}
         copies = {name: array.numpy().copy() for name, array in own.items()}
         return {**super().arrays(), **copies, "implicit_time": np.array(self._time)}
 
     def assign(self, arrays: dict[str, np.ndarray]) -> None:
         """Continue from arrays that `arrays` gave."""
         super().assign(arrays)
-        for array, name in ((self._load, "load"), (self._elastic, "elastic"), (self._work, "implicit_work")):
+        own = {"load": self._load, "elastic": self._elastic, "implicit_work": self._work, "pace": self._pace}
+        for name, array in own.items():
             array.assign(arrays[name])
         self._time = float(arrays["implicit_time"])
 
@@ -163,6 +169,11 @@ class ImplicitSolid(Solid):
         outputs = [newton.inertia, self._u_before, newton.center, newton.target, self._pushed, newton.applied]
         self._launch(self._kernels.begin, inputs, outputs)
 
+    def _foresee(self) -> None:
+        """Go on as in the last step, or the last time that this one was taken."""
+        inputs = [self._theta, self._length, self._free, self._u_before, self._pace]
+        self._launch(self._kernels.foresee, inputs, [self.state.u])
+
     def _finish(self) -> None:
         """The end of the step, its forces, and its account."""
         state, newton = self.state, self.newton
@@ -172,6 +183,7 @@ class ImplicitSolid(Solid):
         self._complete()
         inputs = [self._theta, self._u_before, self._elastic_before, state.u, self._elastic]
         self._launch(self._kernels.account, inputs, [state.dissipated])
+        self._launch(self._kernels.keep_pace, [self._length, self._u_before, state.u], [self._pace])
 
     def _complete(self) -> None:
         """The forces of the present state."""
