@@ -12,7 +12,6 @@ import pytest
 from tests.coupling.scenes import ALONE, IMPLICIT, SOFT, hung, lump, pool
 from tests.fluid.scenes import L0, box, walls_about
 from tests.refusals import assert_refused
-from tests.scenes import SPRINGS
 from warp_mps.fluid_checks import remarks
 from warp_mps.observers.sampling import make_sampler
 from warp_mps.particles import fill_scene

