@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from pxr import Sdf
+from pxr import Sdf, UsdUtils
 
 from tests.usd.stages import HEAD, write
 from tests.usd.test_refusals import refusal
@@ -140,6 +140,19 @@ def test_binary_stages_are_read_and_damaged_ones_refused(home: Path, suffix: str
     # where its table of contents begins
     path.write_bytes(data[:16] + b"\xff\xff\xff\xff\xff\xff\xff\x7f" + data[24:])
     refusal(path)
+
+
+def test_packages_are_read_and_referred_to(home: Path) -> None:
+    (home / "parts").mkdir()
+    write(home)
+    package = home / "parts" / "beam.usdz"
+    assert UsdUtils.CreateNewUsdzPackage(str(home / "case.usda"), str(package))
+    assert read_stage(package).bodies[0].name == "Beam"
+    assert read_stage(composed(home, "references", "parts/beam.usdz")).bodies[0].name == "Beam"
+    package.rename(home.parent / "beam.usdz")
+    assert "outside the folder" in refusal(composed(home, "references", "../beam.usdz")).reason
+    package.write_bytes((home.parent / "beam.usdz").read_bytes()[:500])
+    refusal(package)
 
 
 @pytest.mark.parametrize(

@@ -47,7 +47,7 @@ def list_cases() -> int:
 def check(
     case: Positional[Case], *, duration: Duration = None, changes: Changes = (), allow_external: External = False
 ) -> int:
-    """Read a case and say what a run of it would take: particles, time step, memory, time. Runs nothing."""
+    """Read a case and say what a run of it would take: particles, time step, memory, disk, time. Runs nothing."""
     from warp_mps.app.show import show_check
 
     return show_check(_read(case, changes, duration, allow_external=allow_external))
