@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from tests.coupling.scenes import IMPLICIT, WAYS
 from tests.elastic.implicit.test_static import cantilever
 from tests.elastic.implicit.test_theta import EDGE, TIP, rod
 from tests.fluid.scenes import L0, box, scene_of, tank, water
@@ -45,13 +46,13 @@ def still_water(**fields: Any) -> Scene:
     return tank((8, 8), **{**FRAMES, **fields})
 
 
-def gate(youngs_modulus: float = 1e5) -> Scene:
+def gate(density: float = 1100.0, **fields: Any) -> Scene:
     """Water beside an elastic gate, in frames of 10 ms."""
     scene = tank((8, 8), room=(14, 12), **FRAMES)
-    material = Material(1100.0, youngs_modulus, 0.3)
+    material = Material(density, 1e5, 0.3)
     body = Body(name="gate", shape=box([0.16, 0.0], [0.2, 0.16]), material=material, spacing=L0)
     clamp = Support(name="clamp", region=box([0.15, -0.001], [0.21, 0.021]))
-    return replace(scene, bodies=(body,), supports=(clamp,))
+    return replace(scene, bodies=(body,), supports=(clamp,), **fields)
 
 
 def crushed_rod() -> Scene:
@@ -190,19 +191,22 @@ def test_a_fluid_that_is_not_finite(
     assert re.search(rf"at t = 0\.07 s: the position of {PLACE} is not finite: the flow has collapsed there", line)
 
 
-@pytest.mark.parametrize("youngs_modulus", [1e5, 1e9])
+@pytest.mark.parametrize("way", WAYS)
 @pytest.mark.parametrize("name", ["u", "v"])
 def test_a_body_in_water_that_is_not_finite(
     name: str,
-    youngs_modulus: float,
+    way: dict,
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    """Whether it takes many explicit steps in one of the water, or an implicit one."""
+    """Whether it takes many explicit steps in one of the water, or an implicit one, whose solver names the particle."""
     poke(monkeypatch, 0.055, lambda system: put(name, np.nan, at=9)(system.solid))
-    line = failed(gate(youngs_modulus), tmp_path, capsys)
-    assert re.search(rf"at t = 0\.07 s: the position of {PLACE} is not finite", line)
+    line = failed(gate(**way), tmp_path, capsys)
+    if way is IMPLICIT:
+        assert re.search(r"the step from 0\.06 to \S+ s was not solved: .*; particle \d+ of body 'gate'", line)
+    else:
+        assert re.search(rf"at t = 0\.07 s: the position of {PLACE} is not finite", line)
 
 
 def test_a_body_in_water_that_explodes(
@@ -211,6 +215,17 @@ def test_a_body_in_water_that_explodes(
     poke(monkeypatch, 0.055, lambda system: put("v", 1e5, at=9)(system.solid))
     line = failed(gate(), tmp_path, capsys)
     assert re.search(rf"at t = 0\.06\d* s: {PLACE} at \(.*\) m moves at \S+ m/s: time stands still", line)
+
+
+def test_water_and_bodies_that_are_at_odds(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """As where a body is much lighter than the water, and there is one pass a step alone."""
+    monkeypatch.setattr("warp_mps.coupling.water.MOST_PASSES", 1)
+    line = failed(gate(density=50.0), tmp_path, capsys)
+    assert re.search(rf"at t = 0\.\d+ s: water and bodies were at odds in {MOST_UNSOLVED} steps in a row", line)
+    assert re.search(rf"forces on the bodies still change by \S+ of themselves, and most at {PLACE} at \(.*\) m$", line)
+    assert "'gate'" in line
 
 
 def test_a_fluid_whose_energy_grows(

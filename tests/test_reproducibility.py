@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 from tests.bits import assert_same_bits, states
+from tests.coupling.scenes import EXPLICIT, IMPLICIT
 from tests.elastic.implicit.test_static import cantilever
 from tests.elastic.implicit.test_theta import rod
 from tests.elastic.test_hamiltonian_motion import hamiltonian
@@ -51,9 +52,8 @@ CASES = {
     "static 3-D": Case(lambda: cantilever(3, load_steps=2), 2, 1e-5),
     **{f"fluid 2-D, {name}": Case(lambda name=name: splash(2, scheme=name), 6, 5e-5) for name in SCHEMES},
     "fluid 3-D": Case(lambda: splash(3), 6, 5e-5),
-    "coupled, explicit": Case(gate, 6, 5e-5),
-    # water and stiff bodies agree on their forces to 1e-3 in a step, in either precision
-    "coupled, implicit": Case(lambda: gate(youngs_modulus=1e9), 3, 5e-3),
+    "coupled, explicit": Case(lambda: gate(**EXPLICIT), 6, 5e-5),
+    "coupled, implicit": Case(lambda: gate(**IMPLICIT), 4, 5e-5),
 }
 
 

@@ -6,6 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+# change of the forces in a last pass, relative to them, beyond which water and bodies are at odds rather than slow
+AT_ODDS = 0.1
+
 
 @dataclass
 class ExchangeStatistics:
@@ -17,6 +20,8 @@ class ExchangeStatistics:
         most_passes: Those of the longest.
         worst_residual: Largest change of the forces in a last pass, relative to them.
         disagreed: Steps that ended before water and bodies agreed.
+        at_odds: Steps in a row, up to now, that ended with forces that still changed by more than `AT_ODDS`.
+        last_residual: Change of the forces in the last pass of the last step, relative to them.
         mismatch: Largest difference, over an interval, of the impulses that the water has given to the markers and of
             those that the bodies' particles have got, relative to them.
     """
@@ -26,6 +31,8 @@ class ExchangeStatistics:
     most_passes: int = 0
     worst_residual: float = 0.0
     disagreed: int = 0
+    at_odds: int = 0
+    last_residual: float = 0.0
     mismatch: float = 0.0
 
     def add(self, passes: int, residual: float, *, agreed: bool) -> None:
@@ -35,6 +42,8 @@ class ExchangeStatistics:
         self.most_passes = max(self.most_passes, passes)
         self.worst_residual = max(self.worst_residual, residual)
         self.disagreed += not agreed
+        self.at_odds = 0 if residual <= AT_ODDS else self.at_odds + 1
+        self.last_residual = residual
 
     def compare(self, given: np.ndarray, got: np.ndarray) -> None:
         """Look at the impulses of an interval, shapes [markers, d]."""

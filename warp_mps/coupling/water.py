@@ -33,6 +33,7 @@ from warp_mps.coupling.quasi_newton import QuasiNewton
 from warp_mps.coupling.record import ExchangeStatistics
 from warp_mps.coupling.structures import Structure
 from warp_mps.errors import InputError, RunError
+from warp_mps.fluid.failures import MOST_UNSOLVED
 from warp_mps.fluid.fluids import Fluids
 from warp_mps.requirements import place
 from warp_mps.scene import Scene
@@ -139,6 +140,17 @@ class WetFluids(Fluids):
             reason = "leaves no free surface between walls and elastic bodies: give the water some room"
             raise InputError(self._source, "shape", reason)
 
+    def failure(self, left: int) -> str | None:
+        """Why no further step makes sense, if none does."""
+        steps = self.exchange.at_odds
+        if steps < MOST_UNSOLVED:
+            return super().failure(left)
+        k = int(np.argmax(np.linalg.norm(self._change, axis=1)))
+        return (
+            f"water and bodies were at odds in {steps} steps in a row: the forces on the bodies still change by "
+            f"{self.exchange.last_residual:.3g} of themselves, and most at {self._which(k)} at {self._where(k)}"
+        )
+
     def _take_step(self) -> None:
         """Take one step towards the target time, water and bodies."""
         self._replay("plan", self._plan)
@@ -210,6 +222,7 @@ class WetFluids(Fluids):
                 break
             if count < MOST_PASSES:
                 forces = self._newton.propose().reshape(forces.shape)
+        self._change = found[0] - forces[0]
         self._newton.end_step()
         self.mobility.heed(count)
         self.exchange.add(count, residual, agreed=residual <= TOLERANCE)
