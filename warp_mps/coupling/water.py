@@ -42,7 +42,7 @@ from warp_mps.scene import Scene
 TOLERANCE = 1e-3
 MOST_PASSES = 20
 # steps whose passes the quasi-Newton method remembers
-REMEMBERED = 4
+REMEMBERED = 8
 
 
 class WetFluids(Fluids):
