@@ -319,12 +319,18 @@ def big(count: int = 20_000) -> Particles:
     )
 
 
-def test_a_killed_writer_leaves_every_completed_frame(tmp_path: Path) -> None:
+# every save finds too much waste
+COMPACTING = "from warp_mps.usd import points; points.LEAST_WASTE = 0; points.MOST_WASTE = -0.5"
+
+
+@pytest.mark.parametrize("prologue", ["", COMPACTING])
+def test_a_killed_writer_leaves_every_completed_frame(tmp_path: Path, prologue: str) -> None:
+    """Also one that writes its files anew all the time."""
     rng = random.Random(1)
     for attempt in range(5):
         path = tmp_path / f"{attempt}.usdc"
         child = subprocess.Popen(
-            [sys.executable, "-c", CHILD.format(path=str(path), prologue="")], stdout=subprocess.PIPE, text=True
+            [sys.executable, "-c", CHILD.format(path=str(path), prologue=prologue)], stdout=subprocess.PIPE, text=True
         )
         assert child.stdout is not None
         for _ in range(5):
