@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from tests.bits import assert_same_bits
+from tests.coupling.scenes import WAYS, afloat
 from tests.elastic.implicit.test_static import cantilever
 from tests.elastic.implicit.test_theta import rod
 from tests.elastic.test_viscosity import viscous
@@ -114,3 +115,30 @@ def test_implicit_steps_are_those_of_the_cpu_and_repeat_to_the_same_bits() -> No
     np.testing.assert_allclose(ends[1], ends[0], rtol=0.0, atol=1e-6 * np.abs(ends[0]).max())
     np.testing.assert_array_equal(ends[2], ends[1])
     np.testing.assert_array_equal(ends[3], ends[1])
+
+
+@pytest.mark.parametrize(("dimension", "precision"), [(2, "float64"), (3, "float32")])
+@pytest.mark.parametrize("way", WAYS)
+def test_water_and_bodies_on_the_gpu(way: dict, dimension: int, precision: str) -> None:
+    """Near the CPU's, and the same bits twice, with graphs and without, and after a restart."""
+    scene = afloat(500.0, dimension=dimension, **way)
+    cpu = Simulation(scene, precision=precision)
+    runs = [Simulation(scene, device="cuda:0", precision=precision, graphs=graphs) for graphs in (True, True, False)]
+    for simulation in (cpu, *runs):
+        simulation.advance(4)
+    body = slice(cpu.particles.elastic)
+    np.testing.assert_allclose(
+        runs[0].displacements[body],
+        cpu.displacements[body],
+        rtol=0.0,
+        atol=0.02 * np.abs(cpu.displacements[body]).max(),
+    )
+    arrays = [simulation.state_arrays() for simulation in runs]
+    for other in arrays[1:]:
+        assert_same_bits([other], arrays[:1])
+    restored = Simulation(scene, device="cuda:0", precision=precision)
+    restored.restore(arrays[0])
+    for simulation in (restored, runs[1]):
+        simulation.advance(2)
+    assert_same_bits([restored.state_arrays()], [runs[1].state_arrays()])
+    assert runs[0].record()["coupling"]["disagreed"] == 0

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -14,7 +15,7 @@ from warp_mps.elastic import solid
 from warp_mps.elastic.implicit.kernels import declare_implicit
 from warp_mps.fluid import fluids
 from warp_mps.particles import fill_scene
-from warp_mps.scene import Body, Contact, Fluid, Material, Scene, Support
+from warp_mps.scene import Body, Contact, Fluid, Material, Scene, Support, TableMotion
 from warp_mps.shapes import Box, Points, contains
 
 SOFT = Material(1000.0, 5e5, 0.3)
@@ -23,6 +24,7 @@ ALONE = Contact(between="none")
 EXPLICIT: dict[str, Any] = {"integrator": "explicit"}
 IMPLICIT: dict[str, Any] = {"integrator": "implicit", "contact": ALONE}
 WAYS = (EXPLICIT, IMPLICIT)
+RUBBING: dict[str, Any] = {"integrator": "explicit", "contact": Contact(between="all", friction=0.3)}
 
 
 def lump(low: list[int], cells: list[int], *, ratio: int = 1, **fields: Any) -> Body:
@@ -73,6 +75,17 @@ def afloat(density: float = 500.0, *, dimension: int = 2, material: Material = S
     cells, low, size = ((12, 8), [4, 3], [4, 3]) if dimension == 2 else ((6, 6, 6), [2, 2, 2], [2, 2, 2])
     body = lump(low, size, material=Material(density, material.youngs_modulus, material.poissons_ratio))
     return pool(body, cells=cells, **fields)
+
+
+def busy(**fields: Any) -> Scene:
+    """A heavy and a light block in a shaken tank: steps of all lengths, and contact where it is asked for."""
+    heavy = lump([2, 1], [2, 3], name="heavy", material=Material(3000.0, 5e5, 0.3), velocity=(0.3, 0.0))
+    light = lump([6, 4], [3, 4], ratio=2, name="light", material=Material(400.0, 5e5, 0.3))
+    scene = pool(heavy, light, cells=(11, 7), **fields)
+    times = np.linspace(0.0, 1.0, 41)
+    shake = np.column_stack((0.02 * np.sin(25.0 * times), 0.0 * times))
+    motion = TableMotion(times=times, displacements=shake, interpolation="cubic")
+    return replace(scene, walls=tuple(replace(wall, motion=motion) for wall in scene.walls))
 
 
 def system_of(scene: Scene, *, precision: str = "float64", graphs: bool = True) -> hydroelastic.Hydroelastic:

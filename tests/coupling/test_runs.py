@@ -4,33 +4,19 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 
 from tests.bits import assert_restored_goes_on, assert_same_bits, states
-from tests.coupling.scenes import EXPLICIT, IMPLICIT, WAYS, afloat, hung, lump, pool
+from tests.coupling.scenes import EXPLICIT, IMPLICIT, RUBBING, WAYS, afloat, busy, hung
 from tests.fluid.scenes import KINDS, L0
 from warp_mps.fluid import fluids as fluids_module
 from warp_mps.history import read_history
 from warp_mps.runs import run_scene
-from warp_mps.scene import Contact, HarmonicMotion, Material, Probe, Scene, TableMotion
+from warp_mps.scene import Contact, HarmonicMotion, Probe
 from warp_mps.simulation import Simulation
 
-
-def busy(**fields: Any) -> Scene:
-    """A heavy and a light block in a shaken tank: steps of all lengths, and contact where it is asked for."""
-    heavy = lump([2, 1], [2, 3], name="heavy", material=Material(3000.0, 5e5, 0.3), velocity=(0.3, 0.0))
-    light = lump([6, 4], [3, 4], ratio=2, name="light", material=Material(400.0, 5e5, 0.3))
-    scene = pool(heavy, light, cells=(11, 7), **fields)
-    times = np.linspace(0.0, 1.0, 41)
-    shake = np.column_stack((0.03 * np.sin(25.0 * times), 0.0 * times))
-    motion = TableMotion(times=times, displacements=shake, interpolation="cubic")
-    return replace(scene, walls=tuple(replace(wall, motion=motion) for wall in scene.walls))
-
-
-RUBBING: dict[str, Any] = {"integrator": "explicit", "contact": Contact(between="all", friction=0.3)}
 ALL_WAYS = [RUBBING, IMPLICIT]
 
 

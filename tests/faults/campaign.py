@@ -17,7 +17,7 @@ from pathlib import Path
 
 import numpy as np
 
-from tests.faults.cases import Case, assert_continues, assert_readable, make_case
+from tests.faults.cases import SCENES, Case, assert_continues, assert_readable, make_case
 from tests.faults.processes import ending, obey_permissions, running, wait_for_rows
 
 Fault = Callable[[Case, Path, int], str]
@@ -146,8 +146,8 @@ def main(kills: int = 50) -> int:
     random = np.random.default_rng(0)
     lost = 0
     with tempfile.TemporaryDirectory() as scratch:
-        cases = [make_case(name, Path(scratch)) for name in ("solid", "fluid")]
-        plan = [("kill -9", case) for case in cases for _ in range(kills // 2)]
+        cases = [make_case(name, Path(scratch)) for name in SCENES]
+        plan = [("kill -9", cases[k % len(cases)]) for k in range(kills)]
         plan += [(name, case) for name in list(FAULTS)[1:] for case in cases]
         for number, (name, case) in enumerate(plan):
             out = Path(scratch) / f"run{number}"
@@ -157,7 +157,7 @@ def main(kills: int = 50) -> int:
                 verdict = f"goes on from {start:.3f} s to the same bits" if start >= 0 else "starts anew"
             except Exception as error:
                 lost, how, verdict = lost + 1, f"{type(error).__name__}: {error}", "LOST"
-            print(f"{name:24}{case.name:8}row {rows:3}  {verdict:40}  {how}", flush=True)
+            print(f"{name:24}{case.name:9}row {rows:3}  {verdict:40}  {how}", flush=True)
             shutil.rmtree(out, ignore_errors=True)
     return lost
 

@@ -1,19 +1,23 @@
-"""Two small cases with some tens of frames, and what must hold of their results after a fault."""
+"""Small cases with some tens of frames, and what must hold of their results after a fault."""
 
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
-from tests.fluid.scenes import tank
+from tests.coupling.scenes import IMPLICIT, RUBBING, busy
+from tests.fluid.scenes import L0, tank
 from tests.scenes import beam, ends
 from warp_mps.history import read_history
 from warp_mps.results import read_summary
 from warp_mps.runs import run_scene
 from warp_mps.scene import Elasticity, HarmonicMotion, Probe, Scene, Support
+from warp_mps.shapes import Box
 from warp_mps.usd.read import read_stage
 from warp_mps.usd.save import save_stage
 
@@ -25,7 +29,7 @@ class Case:
     """A case with its continuous run.
 
     Attributes:
-        name: ``solid`` or ``fluid``.
+        name: One of `SCENES`.
         stage: Its stage.
         whole: Folder of the continuous run.
     """
@@ -43,7 +47,7 @@ class Case:
 def make_case(name: str, folder: Path, *, frames: int = 60) -> Case:
     """Save the stage of a case in a folder, and run it there."""
     case = Case(name, folder / f"{name}.usda", folder / f"{name}_whole")
-    save_stage({"solid": _solid, "fluid": _fluid}[name](frames), case.stage)
+    save_stage(SCENES[name](frames), case.stage)
     run_scene(case.scene, case.whole, quiet=True)
     return case
 
@@ -63,6 +67,25 @@ def _fluid(frames: int) -> Scene:
     return tank(
         (6, 10), room=(12, 12), wall=wall, probes=(probe,), duration=frames / 100.0, frame_rate=100.0, name="fluid"
     )
+
+
+def _wet(frames: int) -> Scene:
+    """Blocks in a shaken tank that rub against each other and the walls, in explicit steps within the water's."""
+    return _coupled("wet", frames, RUBBING)
+
+
+def _implicit(frames: int) -> Scene:
+    """The blocks, in implicit steps; the heavy one is held, for nothing else keeps it from the floor."""
+    held = Support(name="rod", region=Box((1.0, 2.0 * L0), (0.0, 4.0 * L0)), bodies=("heavy",))
+    return _coupled("implicit", frames, {**IMPLICIT, "supports": (held,)})
+
+
+def _coupled(name: str, frames: int, way: dict[str, Any]) -> Scene:
+    probes = (Probe(name="light", quantity="contact_force", body="light"),)
+    return busy(probes=probes, duration=frames / 200.0, frame_rate=200.0, name=name, **way)
+
+
+SCENES: dict[str, Callable[[int], Scene]] = {"solid": _solid, "fluid": _fluid, "wet": _wet, "implicit": _implicit}
 
 
 def assert_readable(case: Case, folder: Path) -> None:

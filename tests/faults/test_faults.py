@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.faults.cases import Case, assert_same, make_case
+from tests.faults.cases import SCENES, Case, assert_same, make_case
 from warp_mps.runs import run_scene
 
 if not sys.platform.startswith("linux"):
@@ -20,7 +20,11 @@ from tests.faults import campaign
 SHORT = [
     *(("kill -9", "solid", rows) for rows in (1, 9, 26, 47)),
     *(("kill -9", "fluid", rows) for rows in (5, 33)),
+    *(("kill -9", "wet", rows) for rows in (3, 29)),
+    *(("kill -9", "implicit", rows) for rows in (14, 45)),
     ("SIGTERM", "fluid", 20),
+    ("Ctrl-C twice", "implicit", 22),
+    ("disk full", "wet", 17),
     ("Ctrl-C twice", "solid", 12),
     ("disk full", "solid", 15),
     ("disk full, checkpoint", "solid", 2),
@@ -34,7 +38,7 @@ SHORT = [
 def cases(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Case]:
     """The cases, with their continuous runs."""
     folder = tmp_path_factory.mktemp("cases")
-    return {name: make_case(name, folder) for name in ("solid", "fluid")}
+    return {name: make_case(name, folder) for name in SCENES}
 
 
 @pytest.mark.parametrize(("fault", "name", "rows"), SHORT)
