@@ -15,10 +15,11 @@ import numpy as np
 import pytest
 
 from tests.usd.stages import write
+from warp_mps.app import bench_coupling
 from warp_mps.app.cli import COMMANDS, main
 from warp_mps.catalogue import shipped_cases
 from warp_mps.history import read_history
-from warp_mps.scene import Fluid, Probe, Scene
+from warp_mps.scene import Fluid, Material, Probe, Scene
 from warp_mps.shapes import Box
 from warp_mps.usd.save import save_stage
 
@@ -184,6 +185,29 @@ def test_bench_prints_speeds_and_shares(capsys: pytest.CaptureFixture[str]) -> N
         (line,) = (line for line in text.splitlines() if model in line)
         assert kernel in line
         assert "force" in line
+
+
+@pytest.mark.parametrize(("dimension", "size", "count"), [(2, 60, "64"), (3, 200, "216")])
+def test_bench_of_coupling_prints_speeds_and_shares(
+    dimension: int, size: int, count: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COLUMNS", "300")
+    for name, value in {"INTERVAL": 2.0, "MEASURED": 1, "PLATE": Material(500.0, 5e7, 0.3)}.items():
+        monkeypatch.setattr(bench_coupling, name, value)
+    options = ["--sizes", f"{size}", "--of", "coupling", "--dimensions", f"{dimension}", "--precisions", "float64"]
+    assert main(["bench", *options]) == 0
+    head, *lines = capsys.readouterr().out.splitlines()
+    names = re.split(r"\s{2,}", head.strip())
+    assert [line.split()[3] for line in lines] == ["explicit", "implicit"]
+    for line in lines:
+        values = dict(zip(names, re.split(r"\s{2,}", line.strip()), strict=True))
+        assert (values["space"], values["fluid"]) == (f"{dimension}-D", count)
+        assert float(values["ms a step"]) > 0.0
+        assert float(values["passes"]) >= 1.0
+        assert float(values["iterations a solve"]) >= 1.0
+        shares = dict(re.findall(r"(\w+) (\d+) %", values["share of each part"]))
+        assert list(shares) == ["pressure", "fluid", "structure", "exchange"]
+        assert sum(map(int, shares.values())) == pytest.approx(100, abs=2)
 
 
 @pytest.mark.parametrize(("dimension", "size", "count"), [(2, 100, "98"), (3, 60, "54")])

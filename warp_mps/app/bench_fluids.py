@@ -25,6 +25,8 @@ WARM_STEPS = 40
 ROUND_SECONDS, ROUNDS = 1.0, 3
 ROUND_STEPS = (5, 200)
 SHARED_STEPS = 10
+# spacings that walls are thick
+THICK = {2: 4, 3: 3}
 # true residual of the pressure solve
 TOLERANCE = 1e-4
 COLUMNS = (
@@ -71,7 +73,7 @@ def dam(dimension: int, size: int) -> Scene:
     All lengths are whole numbers of spacings, of 1 m, so that the lattices of water and walls fit each other.
     """
     width = max(2, round((size / 2.0) ** (1.0 / dimension)))
-    thick = 4 if dimension == 2 else 3
+    thick = THICK[dimension]
     depth = [float(width)] * (dimension - 2)
     length, height = 4.0 * width, 2.0 * width + 5.0
     low, high = [-float(thick)] * (dimension - 2), [float(width + thick)] * (dimension - 2)
@@ -85,20 +87,21 @@ def dam(dimension: int, size: int) -> Scene:
             _wall("back", [0.0, 0.0, *low], [length, height, 0.0]),
             _wall("front", [0.0, 0.0, *depth], [length, height, *high]),
         ]
-    water = Fluid(name="water", shape=_box([0.0] * dimension, [width, 2.0 * width, *depth]), spacing=1.0)
+    water = Fluid(name="water", shape=box([0.0] * dimension, [width, 2.0 * width, *depth]), spacing=1.0)
     return Scene(
         name="bench", dimension=dimension, fluids=(water,), walls=tuple(walls), duration=1.0,
         gravity=(0.0, -9.81, 0.0)[:dimension], flow=Flow(tolerance=TOLERANCE),
     )  # fmt: skip
 
 
-def _box(low: Sequence[float], high: Sequence[float]) -> Box:
+def box(low: Sequence[float], high: Sequence[float]) -> Box:
+    """A box by its corners."""
     size = tuple(float(b - a) for a, b in zip(low, high, strict=True))
     return Box(size, tuple((a + b) / 2.0 for a, b in zip(low, high, strict=True)))
 
 
 def _wall(name: str, low: Sequence[float], high: Sequence[float]) -> Wall:
-    return Wall(name=name, shape=_box(low, high), spacing=1.0)
+    return Wall(name=name, shape=box(low, high), spacing=1.0)
 
 
 def _all_particles(scene: Scene) -> int:

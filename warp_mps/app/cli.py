@@ -21,7 +21,7 @@ from warp_mps.core.interrupts import single_interrupt
 from warp_mps.errors import InputError, RunError
 
 MODELS: tuple[Literal["hamiltonian", "springs"], ...] = ("hamiltonian", "springs")
-SUBJECTS: tuple[Literal["elastic", "fluids"], ...] = ("elastic", "fluids")
+SUBJECTS: tuple[Literal["elastic", "fluids", "coupling"], ...] = ("elastic", "fluids", "coupling")
 PRECISIONS: tuple[Literal["float64", "float32"], ...] = ("float64", "float32")
 Case = Annotated[str, arg(metavar="CASE", help="Path of a stage, or the name of a shipped case (see list).")]
 Device = Annotated[str, arg(metavar="DEVICE", help="cpu, or a CUDA device such as cuda:0.")]
@@ -105,15 +105,16 @@ def bench(
         arg(metavar="N", help="Numbers of particles; by default 1e3 to 1e6, of fluids 1e3 to 1e5, in 3-D 3e4."),
     ] = (),
     *,
-    of: Annotated[tuple[Literal["elastic", "fluids"], ...], arg(help="What is measured.")] = SUBJECTS,
+    of: Annotated[tuple[Literal["elastic", "fluids", "coupling"], ...], arg(help="What is measured.")] = SUBJECTS,
     device: Device = "cpu",
     models: Annotated[tuple[Literal["hamiltonian", "springs"], ...], arg(help="Elastic models.")] = MODELS,
     dimensions: Annotated[tuple[Literal[2, 3], ...], arg(help="Dimensions.")] = (2, 3),
     precisions: Annotated[tuple[Literal["float64", "float32"], ...], arg(help="Number types.")] = PRECISIONS,
     threads: Threads = 1,
 ) -> int:
-    """Measure the speed of an elastic block and of a dam break: particle-steps a second, shares. Takes minutes."""
+    """Measure the speed of an elastic block, of a dam break, and of water on a plate, with shares. Takes minutes."""
     from warp_mps.app.bench import bench_solid
+    from warp_mps.app.bench_coupling import bench_coupling
     from warp_mps.app.bench_fluids import bench_fluids
 
     if min(sizes, default=1) < 1:
@@ -122,6 +123,8 @@ def bench(
         bench_solid(sizes, models=models, dimensions=dimensions, precisions=precisions, device=device, threads=threads)
     if "fluids" in of:
         bench_fluids(sizes, dimensions=dimensions, precisions=precisions, device=device)
+    if "coupling" in of:
+        bench_coupling(sizes, dimensions=dimensions, precisions=precisions, device=device)
     return 0
 
 
