@@ -79,7 +79,7 @@ def afloat(density: float = 500.0, *, dimension: int = 2, material: Material = S
 
 def busy(**fields: Any) -> Scene:
     """A heavy and a light block in a shaken tank: steps of all lengths, and contact where it is asked for."""
-    heavy = lump([2, 1], [2, 3], name="heavy", material=Material(3000.0, 5e5, 0.3), velocity=(0.3, 0.0))
+    heavy = lump([2, 1], [2, 3], name="heavy", material=Material(3000.0, 5e5, 0.3), velocity=(2.5, 0.0))
     light = lump([6, 4], [3, 4], ratio=2, name="light", material=Material(400.0, 5e5, 0.3))
     scene = pool(heavy, light, cells=(11, 7), **fields)
     times = np.linspace(0.0, 1.0, 41)

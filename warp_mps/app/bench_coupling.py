@@ -124,10 +124,10 @@ def _shares(simulation: Simulation, system: Hydroelastic) -> str:
     times = dict.fromkeys(("pressure", "fluid", "structure", "exchange"), 0.0)
 
     def timed(part: Callable[..., str | None], call: Callable[..., Any]) -> Callable[..., Any]:
-        def run(*arguments: Any) -> Any:
+        def run(*arguments: Any, **options: Any) -> Any:
             simulation.synchronize()
             begin = time.perf_counter()
-            call(*arguments)
+            call(*arguments, **options)
             simulation.synchronize()
             if name := part(*arguments):
                 times[name] += time.perf_counter() - begin
