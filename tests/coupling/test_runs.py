@@ -48,7 +48,7 @@ def test_a_restored_run_goes_on_to_the_same_bits(way: dict, monkeypatch: pytest.
     assert not np.array_equal(order, np.sort(order))
     assert len({state["water_mobility"].tobytes() for state in found}) > 2
     assert len(np.unique(np.diff([0, *(int(state["water_steps"][0]) for state in found)]))) > 1
-    assert any(len(state["water_learnt_sizes"]) == 4 for state in found)
+    assert max(len(state["water_learnt_sizes"]) for state in found) > 1
 
 
 @pytest.mark.parametrize("way", ALL_WAYS)
