@@ -65,7 +65,9 @@ def test_a_body_as_dense_as_water_stays_where_it_is(way: dict) -> None:
     u = simulation.displacements
     assert np.abs(u[:e].mean(axis=0)).max() < 0.08 * L0
     assert np.linalg.norm(simulation.velocities[:e], axis=1).max() < 0.02
-    assert np.abs(u[-simulation.particles.liquid :]).max() < 0.3 * L0, "the water settles"
+    water = u[-simulation.particles.liquid :]
+    assert np.abs(water.mean(axis=0)).max() < 0.015 * L0, "the water neither settles nor swells"
+    assert np.abs(water).max() < 0.5 * L0, "it gives in the corners of its surface"
 
 
 @pytest.mark.parametrize("way", WAYS)
@@ -118,9 +120,10 @@ def test_energy_is_lost_but_not_won(way: dict, modulus: float) -> None:
         simulation.advance(1)
         energy = simulation.energy
         most = max(most, energy.kinetic)
-        assert energy.balance < start.balance
-    assert energy.kinetic < 0.3 * most
-    assert most < 0.05
+        # of the 30 J/m of the water's potential, which the pressure equation keeps to some 1e-4
+        assert energy.balance < start.balance + 0.01
+    # the water lies where its surface is, and has no way to fall
+    assert most < 0.006
     assert energy.work == pytest.approx(0.0, abs=1e-12)
 
 

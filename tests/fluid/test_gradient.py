@@ -174,23 +174,6 @@ def test_the_work_of_a_wall_is_its_impulse_along_its_way() -> None:
     np.testing.assert_allclose(work, -(impulse * u[:w]).sum(axis=1), atol=1e-12 * np.abs(work).max())
 
 
-def test_the_weight_that_pressure_carries_is_followed() -> None:
-    """From nothing towards 1 under a hydrostatic pressure, in the time that the scheme smooths it over."""
-    fluids = fluids_of(tank((8, 8), lid=True))
-    w = wall_count(fluids)
-    x = fluids.state.x.numpy()[w:].copy()
-    p = RHO * 9.81 * (x[:, 1].max() - x[:, 1])
-    for step in range(1, 4):
-        pushed(fluids, p)
-        expected = 1.0 - (1.0 - DT / fluids._relaxation) ** step
-        middle = np.argmin(np.abs(x - 4.5 * L0).sum(axis=1))
-        assert fluids.state.carried.numpy()[middle] == pytest.approx(expected, rel=1e-2)
-        # as it was: the particles stand still
-        moved = fluids.state.x.numpy()
-        moved[w:] = x
-        fluids.state.x.assign(moved)
-
-
 def test_what_walls_show_is_the_pressure_of_the_water_beside_them() -> None:
     fluids = fluids_of(tank((8, 8), lid=True, flow=Flow(negative_pressure="allowed")))
     w = wall_count(fluids)

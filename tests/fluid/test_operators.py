@@ -66,5 +66,20 @@ def test_factors_scale_with_the_spacing() -> None:
     assert two == Operators(
         radius=2.0 * one.radius, number_density=one.number_density, neighbours=one.neighbours,
         divergence=2.0 * one.divergence, laplacian=0.25 * one.laplacian, gradient=one.gradient,
-        original_gradient=one.original_gradient,
+        original_gradient=one.original_gradient, beyond=one.beyond,
     )  # fmt: skip
+
+
+@pytest.mark.parametrize("rows", [1, 2])
+@pytest.mark.parametrize(("dimension", "radius"), CASES)
+def test_what_lies_beyond_a_surface_makes_a_linear_pressure_exact(dimension: int, radius: float, rows: int) -> None:
+    """In the two rows below it: the sum over what is there and what is added to the diagonal cancel."""
+    ops = operators(dimension, L0, radius)
+    x, _, w = offsets(dimension, radius)
+    depth = (rows - 0.5) * L0
+    there = x[:, 1] < depth
+    missing = 1.0 - w[there].sum() / ops.number_density
+    beyond = ops.number_density * missing * (ops.beyond[0] + ops.beyond[1] * missing)
+    change = np.sum(w[there] * -x[there, 1])
+    assert beyond * depth == pytest.approx(change, rel=1e-9)
+    assert min(ops.beyond) > 0.0

@@ -18,7 +18,7 @@ from warp_mps.fluid.failures import FluidFailures
 from warp_mps.fluid.gradient import gradient_kernels
 from warp_mps.fluid.limits import domain, step_limit
 from warp_mps.fluid.lists import METHOD, NeighbourLists, list_kernels
-from warp_mps.fluid.motion import motion_kernels
+from warp_mps.fluid.motion import COLLISION, KEPT_APART, motion_kernels
 from warp_mps.fluid.operators import operators
 from warp_mps.fluid.pressure import CONSERVATIVE, CORRECTED, KOSHIZUKA_OKA, pressure_kernels
 from warp_mps.fluid.state import FluidState, initial_state
@@ -79,6 +79,7 @@ class Fluids(FluidFailures):
         self._scheme = SCHEMES[flow.scheme]
         self._clip = int(flow.negative_pressure == "clipped")
         self._shifts = int(self._scheme == CORRECTED or (self._scheme == CONSERVATIVE and not self._clip))
+        self._collision = KEPT_APART if self._scheme == CONSERVATIVE else COLLISION
         self._volume = fluid.spacing**kit.dimension
         self._low, self._high = domain(scene, particles)
         self.lists = NeighbourLists(
@@ -123,7 +124,7 @@ class Fluids(FluidFailures):
         self._solver = ConjugateGradient(
             m, kit=kit, device=device, tolerance=tolerance, max_iterations=MAX_ITERATIONS, preconditioner=preconditioner
         )
-        self._du, self._shift = zeros(m, kit.vec), zeros(m, kit.vec)
+        self._du, self._shift, self._surface = zeros(m, kit.vec), zeros(m, kit.vec), zeros(m, wp.int32)
         self._acceleration, self._mirrored = zeros(n, kit.vec), zeros(max(n - m, 1), kit.vec)
         self._scale = wp.ones(m, dtype=kit.real, device=device)
         self._floors = zeros(-(-m // CHUNK), wp.float64)
@@ -268,13 +269,12 @@ class Fluids(FluidFailures):
         numbers = [ops.radius, self._spacing, ops.number_density, float(ops.neighbours), ops.divergence, ops.laplacian]
         numbers.append(self._slope)
         inputs = [
-            self._walls, self._scheme, self.lists.period, *numbers, self._density, self._gravity, self._relaxation,
-            *self._listed(), self._dt, state.x, state.u, state.a, state.carried,
+            self._walls, self._scheme, self.lists.period, *numbers, self._density, self._gravity, *ops.beyond,
+            self._relaxation, *self._listed(), self._dt, state.x, state.u, state.a, state.p,
         ]  # fmt: skip
         rows = [matrix.first, matrix.count, matrix.index, matrix.value, matrix.diagonal, matrix.active]
-        self._launch(
-            pressure.assemble, self._m, inputs, [state.p, state.n, self._scale, *rows, self._rhs, matrix.singular]
-        )
+        outputs = [state.n, self._scale, *rows, self._rhs, self._surface, matrix.singular]
+        self._launch(pressure.assemble, self._m, inputs, outputs)
 
     def _project(self) -> None:
         """Pressures that keep the fluid's density."""
@@ -290,17 +290,17 @@ class Fluids(FluidFailures):
 
     @property
     def _relaxation(self) -> float:
-        """Time in which the density is restored, and the load on surface particles is smoothed [s]."""
+        """Time in which the density is restored [s]."""
         g = float(np.linalg.norm(self._gravity_host))
-        return math.sqrt(self._spacing / g) if g > 0.0 else 50.0 * self._longest
+        return 3.0 * math.sqrt(self._spacing / g) if g > 0.0 else 150.0 * self._longest
 
     def _push(self) -> None:
         """Velocities and positions by the pressure."""
         state, ops, lists = self.state, self.operators, self.lists
         _, gradient, motion = self._kernels
         head = [self._scheme, self._clip, lists.period, ops.radius, self._slope, self._density]
-        inputs = [self._walls, *head, self._gravity, self._relaxation, *self._listed(), self._dt, state.x, state.a]
-        self._launch(gradient.push, self._m, [*inputs, state.p, self._scale], [state.carried, self._du])
+        inputs = [self._walls, *head, self._gravity, *self._listed(), self._dt, state.x, state.a, state.p, self._scale]
+        self._launch(gradient.push, self._m, inputs, [self._du])
         self._push_walls(self._walls, self._dt, [state.impulse, state.work])
         self._launch(motion.apply, self._m, [self._walls, self._dt, self._du], [state.x, state.u])
 
@@ -312,15 +312,16 @@ class Fluids(FluidFailures):
         self._launch(self._kernels[1].push_walls, count, inputs, outputs)
 
     def _collide(self) -> None:
-        """Collisions and shifts, which `_finish` applies."""
+        """Shifts and collisions, which `_finish` applies."""
         state, ops, lists, motion = self.state, self.operators, self.lists, self._kernels[2]
-        mass = self._density * self._volume
-        inputs = [self._walls, lists.period, self._spacing, self._firmness, *self._listed(), state.x, state.u]
-        self._launch(motion.collide, self._m, inputs, [self._du])
+        mass, reach = self._density * self._volume, self._collision * self._spacing
         if self._shifts:
             inputs = [self._walls, lists.period, ops.radius, self._spacing, ops.number_density, *self._listed()]
-            self._launch(motion.move_apart, self._m, [*inputs, state.x, self._way, self._matrix.active], [self._shift])
-        inputs = [lists.period, self._spacing, mass, self._firmness, *self._listed(), state.x, state.u]
+            self._launch(motion.move_apart, self._m, [*inputs, state.x, self._way, self._surface], [self._shift])
+        tail = [self._firmness, *self._listed(), state.x, state.u]
+        inputs = [self._walls, lists.period, self._spacing, reach, *tail, self._shift]
+        self._launch(motion.collide, self._m, inputs, [self._du])
+        inputs = [lists.period, self._spacing, mass, *tail]
         self._launch(motion.collide_walls, self._walls, inputs, [state.impulse, state.work])
 
     def _finish(self) -> None:
@@ -338,7 +339,7 @@ class Fluids(FluidFailures):
         x = state.x.numpy()[w:].astype(float)
         cells = np.floor((x - self._low) / (2.0 * self.operators.radius)).astype(np.int64)
         new = np.lexsort((*x.T[::-1], *cells.T[::-1]))
-        for array in (state.order, state.p, state.carried, state.n):
+        for array in (state.order, state.p, state.n):
             array.assign(array.numpy()[new])
         for array in (state.x, state.u, state.lost):
             values = array.numpy().copy()

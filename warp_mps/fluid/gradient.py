@@ -24,10 +24,8 @@ import warp as wp
 
 from warp_mps.core.kit import Kit
 from warp_mps.fluid.lists import METHOD, list_kernels
-from warp_mps.fluid.pressure import CONSERVATIVE, CORRECTED, pressure_kernels
+from warp_mps.fluid.pressure import CONSERVATIVE, CORRECTED, LEAST_DETERMINANT, pressure_kernels
 
-# least determinant of the normalized moment matrix that is inverted: below, the neighbours lie too one-sided
-LEAST_DETERMINANT = 0.1
 # closest distance that a force sees, in effective radii: what is closer is two particles that collide
 CLOSEST = 0.02
 
@@ -69,7 +67,6 @@ def gradient_kernels(kit: Kit) -> SimpleNamespace:
         gradient: real,
         density: real,
         gravity: vec,
-        relaxation: real,
         listed: wp.array(dtype=wp.int32, ndim=2),
         count: wp.array(dtype=wp.int32),
         # State in:
@@ -78,8 +75,6 @@ def gradient_kernels(kit: Kit) -> SimpleNamespace:
         a: wp.array(dtype=vec),
         p: wp.array(dtype=wp.float64),
         scale: wp.array(dtype=real),
-        # State in and out:
-        carried: wp.array(dtype=real),
         # Out:
         du_out: wp.array(dtype=vec),
     ):
@@ -119,11 +114,6 @@ def gradient_kernels(kit: Kit) -> SimpleNamespace:
             if wp.determinant(moments) > real(LEAST_DETERMINANT):
                 turn = wp.inverse(moments)
             total = turn * total
-        square = wp.dot(gravity, gravity)
-        if square > real(0.0):
-            share = wp.clamp(wp.dot(total, gravity) / (density * square), real(0.0), real(1.0))
-            rate = wp.min(real(dt[0]) / relaxation, real(1.0))
-            carried[k] = carried[k] + rate * (share - carried[k])
         du_out[k] = (-real(dt[0]) / density) * total
 
     @kit.kernel(METHOD)

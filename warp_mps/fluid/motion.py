@@ -3,7 +3,10 @@
 A step goes u* = u + dt (viscosity + g), x* = x + dt u*, then by the pressure u = u* + du, x = x* + dt du. Two particles
 closer than `COLLISION` that approach each other collide, which the pressure alone does not prevent in violent flow.
 Where pressures may be negative, or gradients are not repulsive, particles are shifted against the gradient of their
-concentration (Lind, Xu, Stansby & Rogers 2012), away from the free surface.
+concentration (Lind, Xu, Stansby & Rogers 2012), away from the free surface. Where streams part, a lattice is drawn out
+to rows with voids between them: shifts have to be as large as the strain of a step, or the voids grow. Collisions take
+energy, and are frequent in flows that shear; what is kept apart otherwise, by shifts or by repulsive gradients, only
+collides below `KEPT_APART`, but with walls, between whose particles it would slip through.
 
 Where water does not slip, viscosity sees inside a wall the velocity u_w + (u_w - u), u that of the water about there,
 so that the water has the wall's velocity u_w at the wall's face (Adami, Hu & Adams 2012).
@@ -23,12 +26,12 @@ from warp_mps.core.kit import Kit
 from warp_mps.fluid.lists import METHOD, list_kernels
 from warp_mps.fluid.pressure import pressure_kernels
 
-# distance below which particles collide [l0], and their coefficient of restitution
-COLLISION, RESTITUTION = 0.8, 0.2
+# distances below which particles collide [l0], the second of what is kept apart otherwise; coefficient of restitution
+COLLISION, KEPT_APART, RESTITUTION = 0.8, 0.5, 0.2
 # closest distance that a shift sees [l0]
 CLOSEST = 0.05
 # shift per gradient of the concentration and way of the fastest particle in a step, and the largest shift [l0]
-SHIFT, LARGEST_SHIFT = 2.5, 0.1
+SHIFT, LARGEST_SHIFT = 10.0, 0.2
 
 
 @functools.cache
@@ -47,6 +50,13 @@ def motion_kernels(kit: Kit) -> SimpleNamespace:
         r = wp.sqrt(square)
         approach = wp.min(wp.dot(u_ij, x_ij) / r, real(0.0))
         return (real(wp.static(1.0 + RESTITUTION)) * approach / r) * x_ij
+
+    @kit.func(METHOD)
+    def closest(shift_i: vec, shift_j: vec, reach: real, spacing: real) -> real:
+        """Distance below which two particles collide: the reach, or less where both are shifted."""
+        if wp.dot(shift_i, shift_i) * wp.dot(shift_j, shift_j) > real(0.0):
+            return real(KEPT_APART) * spacing
+        return reach
 
     @kit.kernel(METHOD)
     def mirror(
@@ -163,12 +173,14 @@ def motion_kernels(kit: Kit) -> SimpleNamespace:
         walls: wp.int32,
         period: vec,
         spacing: real,
+        reach: real,
         firmness: wp.array(dtype=real),
         listed: wp.array(dtype=wp.int32, ndim=2),
         count: wp.array(dtype=wp.int32),
         # State in:
         x: wp.array(dtype=vec),
         u: wp.array(dtype=vec),
+        shift: wp.array(dtype=vec),
         # Out:
         du_out: wp.array(dtype=vec),
     ):
@@ -180,11 +192,11 @@ def motion_kernels(kit: Kit) -> SimpleNamespace:
         du = vec()
         for m in range(count[i]):
             j = listed[i, m]
-            jump = bounce(apart(x_i, x[j], period), u[j] - u_i, real(COLLISION) * spacing)
+            x_ij = apart(x_i, x[j], period)
             if j < walls:
-                du += firmness[j] * jump
+                du += firmness[j] * bounce(x_ij, u[j] - u_i, real(COLLISION) * spacing)
             else:
-                du += real(0.5) * jump
+                du += real(0.5) * bounce(x_ij, u[j] - u_i, closest(shift[k], shift[j - walls], reach, spacing))
         du_out[k] = du
 
     @kit.kernel(METHOD)
@@ -200,7 +212,7 @@ def motion_kernels(kit: Kit) -> SimpleNamespace:
         # State in:
         x: wp.array(dtype=vec),
         way: wp.array(dtype=wp.float64),
-        active: wp.array(dtype=wp.int32),
+        surface: wp.array(dtype=wp.int32),
         # Out:
         shift_out: wp.array(dtype=vec),
     ):
@@ -209,16 +221,17 @@ def motion_kernels(kit: Kit) -> SimpleNamespace:
         i = k + walls
         x_i = x[i]
         slope = vec()
-        inside = active[k] == 1
+        inside = surface[k] == 0
         for m in range(count[i]):
             j = listed[i, m]
             x_ij = apart(x_i, x[j], period)
             square = wp.dot(x_ij, x_ij)
             if square < radius * radius:
-                r = wp.sqrt(square)
-                slope += (weight(r, radius) / (wp.max(r, real(CLOSEST) * spacing) * n0)) * x_ij
+                r = wp.max(wp.sqrt(square), real(CLOSEST) * spacing)
+                w = weight(r, radius) / r
+                slope += (w / n0) * x_ij
                 if j >= walls:
-                    inside = inside and active[j - walls] == 1
+                    inside = inside and surface[j - walls] == 0
         shift = vec()
         if inside:
             shift = (real(-SHIFT) * real(way[0])) * slope

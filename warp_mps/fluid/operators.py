@@ -18,6 +18,7 @@ References:
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -40,6 +41,7 @@ class Operators:
         laplacian: Factor of the Laplacian [1/m^2].
         gradient: Factor of the gradient [-].
         original_gradient: Factor of the original gradient [-].
+        beyond: Factors b1, b2 of what lies beyond a free surface [-], see `warp_mps.fluid.pressure`.
     """
 
     radius: float
@@ -49,6 +51,7 @@ class Operators:
     laplacian: float
     gradient: float
     original_gradient: float
+    beyond: tuple[float, float]
 
 
 def operators(dimension: int, spacing: float, effective_radius: float) -> Operators:
@@ -70,4 +73,27 @@ def operators(dimension: int, spacing: float, effective_radius: float) -> Operat
         laplacian=float(2.0 * dimension / np.sum(w * r**2)) / spacing**2,
         gradient=float(dimension / np.sum((1.0 - r / effective_radius) ** 3 * (r / effective_radius) ** 2)),
         original_gradient=float(dimension / w.sum()),
+        beyond=_beyond(dimension, effective_radius),
     )
+
+
+def _beyond(dimension: int, reach: float) -> tuple[float, float]:
+    """Factors b1, b2 with M/(n0 s) = q (b1 + b2 q) in the two rows below a plane surface of a lattice.
+
+    q is the share of the number density n0 that is beyond the surface, M the sum of w times the height above the
+    particle there, and s the particle's depth, 0.5 and 1.5 spacings.
+    """
+    line = np.arange(-math.ceil(reach), math.ceil(reach) + 1)
+    x = np.stack(np.meshgrid(*[line] * dimension, indexing="ij"), axis=-1).reshape(-1, dimension)
+    r = np.linalg.norm(x, axis=1)
+    near = (r > 0.0) & (r < reach)
+    height, w = x[near, 1], weight(r[near], reach)
+    shares, slopes = [], []
+    for row in (1, 2):
+        gone = height >= row
+        shares.append(w[gone].sum() / w.sum())
+        slopes.append(w[gone] @ height[gone] / (row - 0.5) / w.sum())
+    if shares[1] == 0.0:  # the second row does not reach beyond
+        return float(slopes[0] / shares[0]), 0.0
+    first, second = np.linalg.solve([[q, q**2] for q in shares], slopes)
+    return float(first), float(second)

@@ -1,15 +1,18 @@
 """The pressure Poisson equation: its rows, its right-hand side, and the free surface.
 
-    lap p = rho (div u*)/dt + ...
+    lap p = rho (div u*)/dt - rho e/(tau dt),    div u = tr(C_i sum_j u_ij x_ij/r^3),    C_i^-1 = sum_j x_ij x_ij/r^3
 
-with a higher-order source and error-compensating terms (Khayyer & Gotoh 2011): with the error of the number density
-e = (n - n0)/n0, the source of -lap p is
+The last term restores the number density, e = (n - n0)/n0, slowly, over tau = 3 sqrt(l0/g). From 0 to 0.1 l0^2/r_e^2 it
+counts as none: that much particles in disorder have at the volume of a lattice, and water at rest would swell by it.
 
-    rho [-(1 + |e|) div u*/dt + |dt div u*| e/dt^2 + e/(tau dt)],   tau = sqrt(l0/g)
+The divergence is exact for every linear velocity, however the particles lie. The rate of the number density, C_i = 1
+(Khayyer & Gotoh 2009), is not: a lattice that is strained gets denser for it at a constant volume, and a drop that is
+drawn out swells by a tenth. But it sees particles that pair, which only the conservative gradient drives apart by
+itself: the other schemes keep it, and have no source at the free surface, where half of its pairs are missing.
 
-the last term restoring the density slowly; the original method (Koshizuka & Oka 1996) has rho e/dt^2 alone. All of it
-mends the whole error in one step, by velocities of about e l0/dt that stay: the shorter the steps, the faster they are,
-and the shorter the next step. That runs away; a share of 0.2 does not, and errors still decay in some ten steps.
+The original method (Koshizuka & Oka 1996) has rho e/dt^2 alone. All of it mends the whole error in one step, by
+velocities of about e l0/dt that stay: the shorter the steps, the faster they are, and the shorter the next step. That
+runs away; a share of 0.2 does not, and errors still decay in some ten steps.
 
 Walls are no unknowns: the pressure beyond a wall follows from the wall's acceleration a, p_j - p_i =
 rho (g - a) . x_ij, which goes to the right-hand side; u* of a wall is the velocity that this gradient turns into the
@@ -20,12 +23,20 @@ In deep water that feeds back on the pressure of the next step and may grow. Hal
 -lap + k |sum_j c x_ij|^2 with k = 4, so that this term, on the change of p since the last step, makes the feedback
 decay, and is gone where p is steady. `DAMPING` is larger, for tanks that are filled too full.
 
-A particle is of the free surface if its number density and its number of neighbours are both low. Its pressure is
-given: that of half a particle spacing of water, as far as the particle's weight is carried by pressure.
+A particle is of the free surface if its number density and its number of neighbours are both low. What its sum of
+pressures misses lies beyond the surface, where the pressure is taken to go on linearly through 0, which it has at the
+surface itself, half a spacing above the uppermost particles: with the particle's depth s and M the sum of w times the
+height above it of what is not there, that adds M/s to the row's diagonal. On a lattice
+
+    M/s = n0 q (b1 + b2 q),   q = 1 - n/n0
+
+with factors b1, b2 (`warp_mps.fluid.operators`) that make a linear pressure exact in the two rows below the surface;
+with n0 q (Nair & Tomar 2014) it would be 0 up to a spacing above it. There e, which is negative, does not count.
 
 References:
+    Khayyer, A. and Gotoh, H., Coastal Engineering 56 (2009) 419.
     Koshizuka, S. and Oka, Y., Nuclear Science and Engineering 123 (1996) 421.
-    Khayyer, A. and Gotoh, H., Journal of Computational Physics 230 (2011) 3093.
+    Nair, P. and Tomar, G., Computers & Fluids 102 (2014) 304.
 """
 
 import functools
@@ -43,10 +54,14 @@ SURFACE_DENSITY, SURFACE_NEIGHBOURS = 0.97, 0.85
 CLOSEST = 0.05
 # errors of the number density are mended no faster than this one: strained lattices and splashes show larger ones
 LARGEST_ERROR = 0.02
+# what particles in disorder have too much of number density at the volume of a lattice, times (r_e/l0)^2
+DISORDER = 0.1
 # share of the error of the number density that the original scheme mends in a step
 ORIGINAL_SHARE = 0.2
 # factor k of the term that damps changes of the pressure of unevenly surrounded particles
 DAMPING = 16.0
+# least determinant of a moment matrix, 1 on a lattice, that is inverted: below, the neighbours lie too one-sided
+LEAST_DETERMINANT = 0.1
 # how far a force is scaled for uneven particles
 LARGEST_SCALE = 0.06
 
@@ -54,7 +69,7 @@ LARGEST_SCALE = 0.06
 @functools.cache
 def pressure_kernels(kit: Kit) -> SimpleNamespace:
     """Kernels `assemble`, `least`, `lift`."""
-    real, vec = kit.real, kit.vec
+    real, vec, mat = kit.real, kit.vec, kit.mat
     apart = list_kernels(kit).apart
 
     @kit.func(METHOD)
@@ -74,12 +89,12 @@ def pressure_kernels(kit: Kit) -> SimpleNamespace:
         return s * s * s * (real(1.0) / (radius * radius))
 
     @kit.func(METHOD)
-    def source(scheme: wp.int32, e: real, div: real, dt: real, tau: real) -> real:
+    def source(scheme: wp.int32, e: real, slack: real, div: real, dt: real, tau: real) -> real:
         """Source of -lap p, per density."""
         if scheme == wp.static(KOSHIZUKA_OKA):
             return real(ORIGINAL_SHARE) * e / (dt * dt)
-        e = wp.clamp(e, real(-LARGEST_ERROR), real(LARGEST_ERROR))
-        return -(real(1.0) + wp.abs(e)) * div / dt + (wp.abs(dt * div) / dt + real(1.0) / tau) * e / dt
+        e = wp.clamp(e - wp.clamp(e, real(0.0), slack), real(-LARGEST_ERROR), real(LARGEST_ERROR))
+        return (e / tau - div) / dt
 
     @kit.kernel(METHOD)
     def assemble(
@@ -96,6 +111,8 @@ def pressure_kernels(kit: Kit) -> SimpleNamespace:
         gradient: real,
         density: real,
         gravity: vec,
+        first: real,
+        second: real,
         tau: real,
         listed: wp.array(dtype=wp.int32, ndim=2),
         count: wp.array(dtype=wp.int32),
@@ -104,8 +121,6 @@ def pressure_kernels(kit: Kit) -> SimpleNamespace:
         x: wp.array(dtype=vec),
         u: wp.array(dtype=vec),
         a: wp.array(dtype=vec),
-        carried: wp.array(dtype=real),
-        # State in and out:
         p: wp.array(dtype=wp.float64),
         # Out:
         n_out: wp.array(dtype=real),
@@ -117,6 +132,7 @@ def pressure_kernels(kit: Kit) -> SimpleNamespace:
         diagonal_out: wp.array(dtype=real),
         active_out: wp.array(dtype=wp.int32),
         rhs_out: wp.array(dtype=wp.float64),
+        surface_out: wp.array(dtype=wp.int32),
         singular_out: wp.array(dtype=wp.int32),
     ):
         """The row of a fluid particle, among the fluid particles alone."""
@@ -125,15 +141,16 @@ def pressure_kernels(kit: Kit) -> SimpleNamespace:
         h = real(dt[0])
         x_i = x[i]
         u_i = u[i]
-        first = k * listed.shape[1]
+        start = k * listed.shape[1]
         entries = wp.int32(0)
         near = wp.int32(0)
         n = real(0.0)
-        div = real(0.0)
         diagonal = real(0.0)
         wall = real(0.0)
         moment = real(0.0)
         uneven = vec()
+        moments = mat()
+        strain = mat()
         for m in range(count[i]):
             j = listed[i, m]
             x_ij = apart(x_i, x[j], period)
@@ -148,8 +165,8 @@ def pressure_kernels(kit: Kit) -> SimpleNamespace:
                     u_j = u_j + h * (gravity - a[j])
                     wall += c * density * wp.dot(gravity - a[j], x_ij)
                 else:
-                    index_out[first + entries] = j - walls
-                    value_out[first + entries] = c
+                    index_out[start + entries] = j - walls
+                    value_out[start + entries] = c
                     entries += 1
                     diagonal += c
                 n += w
@@ -157,25 +174,36 @@ def pressure_kernels(kit: Kit) -> SimpleNamespace:
                 g = slope(scheme, r, radius)
                 moment += g * r * r
                 uneven += g * x_ij
-                div += wp.dot(x_ij, u_j - u_i) * (inverse * inverse * inverse)
+                arm = (divergence * inverse * inverse * inverse) * x_ij
+                moments += wp.outer(arm, x_ij)
+                strain += wp.outer(u_j - u_i, arm)
+        if scheme == wp.static(CONSERVATIVE) and wp.determinant(moments) > real(LEAST_DETERMINANT):
+            strain = strain * wp.inverse(moments)
+        e = n / n0 - real(1.0)
         surface = wp.int32(0)
+        beyond = real(0.0)
         if n < real(SURFACE_DENSITY) * n0 and real(near) < real(SURFACE_NEIGHBOURS) * full:
             surface = 1
             # what has no fluid about it, as a lost particle, does not tell the others their pressure
             if entries > 0:
                 singular_out[0] = 0
-            p[k] = wp.float64(real(0.5) * spacing * density * wp.length(gravity) * carried[k])
+            beyond = -laplacian * n0 * e * (first - second * e)
+            e = real(0.0)
         n_out[k] = n
+        surface_out[k] = surface
         even = real(wp.static(kit.dimension)) / wp.max(gradient * moment, real(1.0e-6))
         scale_out[k] = wp.clamp(even, real(1.0 - LARGEST_SCALE), real(1.0 + LARGEST_SCALE))
-        first_out[k] = first
+        first_out[k] = start
         count_out[k] = entries
         damping = real(0.0)
         if scheme == wp.static(CONSERVATIVE):
             damping = real(DAMPING) * gradient * gradient * wp.dot(uneven, uneven)
-        diagonal_out[k] = diagonal + damping
-        active_out[k] = 1 - surface
-        given = density * source(scheme, (n - n0) / n0, divergence * div, h, tau) + wall
+        diagonal_out[k] = diagonal + beyond + damping
+        active_out[k] = 1
+        given = wall
+        if surface == 0 or scheme == wp.static(CONSERVATIVE):
+            slack = real(DISORDER) * (spacing / radius) * (spacing / radius)
+            given += density * source(scheme, e, slack, wp.trace(strain), h, tau)
         rhs_out[k] = wp.float64(given) + wp.float64(damping) * p[k]
 
     @kit.kernel(METHOD)

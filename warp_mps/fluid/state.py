@@ -24,7 +24,6 @@ class FluidState:
         lost:     Whether a particle has left the domain, int32 [n].
         order:    Particle whose place in the arrays this is, counted among the fluid's, int32 [m].
         p:        Pressures [Pa], float64 [m].
-        carried:  Share of a particle's weight that pressure carries, smoothed in time [-], real [m].
         n:        Number densities [-], real [m].
         impulse:  Impulse of the fluid on the walls since the last whole interval [N s], in 2-D [N s/m], float64 [w].
         work:     Work of the walls on the fluid [J], in 2-D [J/m], float64 [w].
@@ -42,7 +41,6 @@ class FluidState:
     lost: wp.array
     order: wp.array
     p: wp.array
-    carried: wp.array
     n: wp.array
     impulse: wp.array
     work: wp.array
@@ -86,7 +84,6 @@ def initial_state(particles: Particles, lists: NeighbourLists, n0: float, *, kit
         lost=wp.zeros(n, dtype=wp.int32, device=device),
         order=array(np.arange(m), wp.int32),
         p=wp.zeros(m, dtype=wp.float64, device=device),
-        carried=wp.zeros(m, dtype=kit.real, device=device),
         n=wp.full(m, n0, dtype=kit.real, device=device),
         impulse=wp.zeros(max(n - m, 1), dtype=vec64, device=device),
         work=wp.zeros(max(n - m, 1), dtype=wp.float64, device=device),
