@@ -21,6 +21,8 @@ PROMISED = (
     *("free_free_bar_3d", "twisting_column_3d", "rubber_drop_3d", "sandwich_cantilever"),
     *("hydrostatic_tank", "standing_wave", "sloshing_tank", "dam_break", "dam_break_3d", "elliptical_drop"),
     *("taylor_green", "square_patch"),
+    *("water_column_on_plate", "dam_break_elastic_gate", "dam_break_elastic_gate_3d", "floating_elastic_plate"),
+    *("elastic_panel_slamming", "sloshing_elastic_baffle"),
     *(
         "block_on_elastic_base",
         "block_on_wall",
@@ -83,9 +85,12 @@ def _coarse_bodies(scene: Scene, name: str) -> Scene:
 
 
 def _coarse_fluids(scene: Scene) -> Scene:
-    """Twice the spacing of fluids and walls alike; in space a few steps are enough."""
-    if scene.dimension == 3:
-        scene = replace(scene, frame_rate=10.0 * scene.frame_rate, duration=0.1 * scene.duration)
+    """Twice the spacing of fluids and walls; in space, and about bodies, which stay as they are, a few steps."""
+    if scene.dimension == 3 or scene.bodies:
+        rate = 10.0 * scene.frame_rate
+        scene = replace(scene, frame_rate=rate, sample_rate=None, duration=0.1 * scene.duration)
+    if scene.bodies:
+        return scene
     fluids = tuple(replace(fluid, spacing=2.0 * fluid.spacing) for fluid in scene.fluids)
     return replace(scene, fluids=fluids, walls=tuple(replace(wall, spacing=2.0 * wall.spacing) for wall in scene.walls))
 
