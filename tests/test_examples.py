@@ -86,6 +86,19 @@ def test_read_results() -> None:
     assert max(found.values()) < 1e-6
 
 
+def test_wet_plate() -> None:
+    errors = main_of("wet_plate.py")(quick=True)
+    assert set(errors) == {0.0, 0.25}
+    assert abs(errors[0.0]) < 0.005
+    assert abs(errors[0.25]) < 0.01
+
+
+def test_floating_plates() -> None:
+    errors = main_of("floating_plates.py")(quick=True)
+    assert set(errors) == {250.0, 500.0, 750.0}
+    assert max(abs(error) for error in errors.values()) < 3e-4
+
+
 def test_the_notebook_runs(capsys: pytest.CaptureFixture[str]) -> None:
     """Cell by cell, at reduced size, as a kernel would, without one."""
     notebook = json.loads((EXAMPLES / "first_steps.ipynb").read_text(encoding="utf-8"))
