@@ -71,13 +71,14 @@ def full_for_a_frame(case: Case, out: Path, rows: int) -> str:
 
 def removed(case: Case, out: Path, rows: int) -> str:
     """Somebody removes the folder."""
+    away = out.with_name(f"{out.name}_away")
     with running(case, out) as process:
         wait_for_rows(process, out, rows)
-        out.rename(out.with_name("away"))
+        out.rename(away)
         code, line = ending(process)
     assert (code, "cannot be written" in line) == (3, True), line
     assert not out.exists(), "what was removed does not come back in part"
-    out.with_name("away").rename(out)
+    away.rename(out)
     return line
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import re
 from collections.abc import Mapping
@@ -98,6 +99,9 @@ class PointsFile:
         try:
             saved = self._stage.GetRootLayer().Save()
         except Tf.ErrorException as error:
+            # USD makes a folder anew that somebody has removed; one that holds nothing is such a one
+            with contextlib.suppress(OSError):
+                self.path.parent.rmdir()
             raise RunError(f"{self.path}: cannot be written: {_first_words(error)}") from error
         if not saved:
             raise RunError(f"{self.path}: cannot be written")
