@@ -108,6 +108,18 @@ def test_thin_bodies_are_remarked_upon() -> None:
     assert said(3 * L0, 1) == []
 
 
+def test_a_body_that_is_no_whole_number_of_markers_thick() -> None:
+    def said(cells: float, ratio: int, **fields: Any) -> list[str]:
+        body = Body(name="plate", shape=Box((4 * L0, cells * L0)), material=SOFT, spacing=L0 / ratio, **fields)
+        return [line for line in remarks(pool(body)) if "left over" in line]
+
+    (line,) = said(3.5, 2)
+    assert "body 'plate': is 8 x 7 particles, should be a whole number of 2 each way" in line
+    assert said(3.5, 2, node_axes=(1,)) == []
+    assert said(4, 2) == said(4, 1) == []
+    assert len(said(4, 2, node_axes=(0,))) == 1
+
+
 def test_water_without_a_free_surface() -> None:
     """Between walls, under a lid: the errors of its volume would go into the body. One row of room is enough."""
     made = scene(cells=(10, 10))

@@ -39,7 +39,7 @@ def check_coupling(scene: Scene) -> None:
 
 def remarks_on_bodies(scene: Scene) -> list[str]:
     """What is worth knowing of the bodies in the fluids of a scene, a line each."""
-    lines = [line for body in scene.bodies for line in _thin(body, scene)]
+    lines = [line for body in scene.bodies for line in (*_thin(body, scene), *_uneven(body, scene))]
     if scene.bodies and scene.contact.between == "none" and not scene.supports:
         lines.append("no contact and no supports: bodies go through walls and each other")
     return lines
@@ -59,3 +59,19 @@ def _thin(body: Body, scene: Scene) -> list[str]:
         return []
     thick = f"is {rows} spacing{'s' if rows > 1 else ''} of the water thick"
     return [f"{where}: {thick}: in impacts, water on one side feels that on the other; {least} keep it apart"]
+
+
+def _uneven(body: Body, scene: Scene) -> list[str]:
+    """A line about a body that is no whole number of the water's spacings thick, which pushes the water off."""
+    if not isinstance(body.shape, Box):
+        return []
+    ratio = round(scene.fluids[0].spacing / body.spacing)
+    rows = [
+        max(1, round(size / body.spacing)) + (axis in body.node_axes)
+        for axis, size in enumerate(body.shape.size[: scene.dimension])
+    ]
+    if all(count % ratio == 0 for count in rows):
+        return []
+    shown = " x ".join(f"{count}" for count in rows)
+    reason = f"is {shown} particles, should be a whole number of {ratio} each way: the water sees so many as one, and"
+    return [f"{place(body, 'body')}: {reason} feels those left over as a push at the start"]

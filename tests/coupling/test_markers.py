@@ -56,14 +56,16 @@ def test_a_marker_stands_for_the_particles_of_a_cell(dimension: int, ratio: int)
     np.testing.assert_array_equal(markers.particles.positions[cells:], particles.positions[particles.elastic :])
 
 
-def test_cells_at_an_edge_hold_what_there_is() -> None:
-    """Five and three particles along cells of two."""
+def test_cells_in_the_middle_hold_what_is_left_over() -> None:
+    """Five and three particles along cells of two: the water sees the faces where they are."""
     shape = lump([2, 2], [1, 1]).shape
     body = Body(name="odd", shape=type(shape)((5 * L0 / 2, 3 * L0 / 2), (0.1, 0.1)), material=SOFT, spacing=L0 / 2)
     markers = system_of(pool(body, cells=(9, 9)))._markers
     sizes = [len(group) for group in members(markers)]
     assert sorted(sizes) == [1, 2, 2, 2, 4, 4]
     np.testing.assert_allclose(markers.masses, np.array(sizes) * (L0 / 2) ** 2 * 1000.0)
+    along = np.unique(np.round((markers.particles.positions[: markers.count, 0] - 0.1) / L0, 6))
+    np.testing.assert_allclose(along, [-0.75, 0.0, 0.75])
 
 
 @pytest.mark.parametrize("ratio", [1, 2, 3])

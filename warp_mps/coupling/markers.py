@@ -1,7 +1,8 @@
 """What the water sees of elastic bodies: markers, as far apart as its own particles.
 
 Where a body's particles are finer than the water's, by a whole factor k, a marker stands for those in a cell of the
-water's spacing, k^d of them, in their mean place and with their mean velocity; else for one. A force on it is shared
+water's spacing, k^d of them, in their mean place and with their mean velocity; else for one. Where a body is no whole
+number of cells thick, one in its middle holds fewer. A force on it is shared
 evenly by its particles, so that force and moment about the mean place are theirs as well.
 """
 
@@ -88,14 +89,28 @@ def _cells(particles: Particles, spacing: float) -> np.ndarray:
     count = 0
     for first, last in particles.ranges[: particles.elastic_bodies]:
         x, own = particles.positions[first:last], float(particles.spacings[first])
-        corner = x.min(axis=0) - (0.5 - ROUNDING) * own
-        cells = np.floor((x - corner) / spacing + ROUNDING).astype(np.int64) if own < (1.0 - ROUNDING) * spacing else x
+        cells = _cells_of(x, own, spacing) if own < (1.0 - ROUNDING) * spacing else x
         _, begin, inverse = np.unique(cells, axis=0, return_index=True, return_inverse=True)
         # numbered by their first particle, which keeps what is near in space near in memory
         rank = np.argsort(np.argsort(begin))
         markers[first:last] = count + rank[inverse.ravel()]
         count += len(begin)
     return markers
+
+
+def _cells_of(x: np.ndarray, own: float, spacing: float) -> np.ndarray:
+    """The cell of each particle of a body, shape [n, d]: whole ones on its faces, what is left over in the middle.
+
+    The water must see every face half a spacing before the first markers: a cell of fewer particles there would have
+    its marker so near to the water that it throws it off.
+    """
+    low = x.min(axis=0) - 0.5 * own
+    extent = (x.max(axis=0) + 0.5 * own - low) / spacing
+    whole = np.floor(extent + ROUNDING)
+    rest = np.maximum(extent - whole, 0.0)
+    places = (x - low) / spacing
+    beyond = places > np.ceil(0.5 * whole) + rest
+    return np.floor(places + np.where(beyond, 1.0 - rest, 0.0) + ROUNDING).astype(np.int64)
 
 
 def _gathered(particles: Particles, members: np.ndarray, first: np.ndarray, spacing: float) -> Particles:
