@@ -47,8 +47,8 @@ class RunSummary:
         implicit: Of a static analysis and of implicit steps, what the solvers did: `equilibria` solved,
             Newton iterations, iterations of the linear solver, largest residual relative to the forces.
         coupling: Of water and bodies together: mean and largest number of `passes` of a step until they agreed, steps
-            after which they `disagreed` and the largest residual of a step, the largest relative difference of the
-            impulses that one side gave and the other got, and the work of the water on the bodies [J].
+            after which they `disagreed` and the largest residual of a step, since the start or the last time the run
+            was resumed, and the work of the water on the bodies [J].
         measurements: Results; see :func:`measurement_rows`.
     """
 

@@ -42,7 +42,6 @@ def test_momentum_changes_by_weight_and_walls_alone(dimension: int, way: dict, p
         expected = simulation.dt * (weight - forces[~moving].sum(axis=0))
         exchanged = simulation.dt * np.abs(forces).sum()
         np.testing.assert_allclose(gained, expected, atol=near[precision][way["integrator"]] * exchanged)
-    assert simulation.record()["coupling"]["impulse_error"] < 1e-6 if precision == "float32" else 1e-12
 
 
 @pytest.mark.parametrize("way", WAYS)
@@ -80,7 +79,7 @@ def test_a_block_of_half_the_density_floats_half_in_the_water(way: dict) -> None
         simulation.advance(1)
         heave.append(simulation.displacements[:16].mean(axis=0) / L0)
         force.append(simulation.contact_forces[:16, 1].sum())
-    assert np.abs(heave).max(axis=0).tolist() < [0.05, 0.3]
+    assert (np.abs(heave).max(axis=0) < [0.05, 0.3]).all()
     assert np.mean(force) == pytest.approx(500.0 * G * 16 * L0**2, rel=0.03)
     assert simulation.record()["coupling"]["disagreed"] == 0
 
@@ -133,13 +132,28 @@ def test_bodies_hold_the_work_that_the_water_has_done_on_them(way: dict) -> None
     system = coupled(simulation)
     start = system.solid.energy()
     simulation.advance(10)
-    now, given = system.solid.energy(), float(system.water.given.numpy().sum())
+    now, given = system.solid.energy(), sum(float(work.numpy().sum()) for work in system.water.works)
     # implicit steps count it as work from outside
     outside = now.work if system.implicit else given
     gained = now.total + now.dissipated - start.total
     assert outside == pytest.approx(given, rel=1e-9)
     assert abs(given) > 1e-3
     assert gained == pytest.approx(given, rel=0.02)
+
+
+def test_collisions_are_no_work_from_outside() -> None:
+    """Of water that falls on a soft post, whose foot rests."""
+    foot = Support(name="foot", region=Box((0.06, 0.021), (0.5, 0.01)))
+    post = Body(name="post", shape=Box((0.04, 0.2), (0.5, 0.1)), material=SOFT, spacing=0.02)
+    water = Fluid(name="water", shape=Box((0.2, 0.1), (0.5, 0.3)), spacing=0.02, velocity=(0.0, -2.0))
+    floor = Wall(name="floor", shape=Box((1.2, 0.08), (0.5, -0.04)), spacing=0.02)
+    fields: dict = {"gravity": (0.0, -G), "duration": 0.1, "frame_rate": 100.0, "contact": ALONE}
+    scene = Scene(bodies=(post,), supports=(foot,), fluids=(water,), walls=(floor,), **fields)
+    simulation = Simulation(scene)
+    simulation.advance(10)
+    works = [float(work.numpy().sum()) for work in coupled(simulation).water.works]
+    assert abs(works[1]) > 1e-3
+    assert simulation.energy.work == pytest.approx(0.0, abs=1e-9 * sum(map(abs, works)))
 
 
 def plate(density: float) -> Scene:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,7 @@ import warp as wp
 
 from tests.coupling.scenes import SOFT, lump, pool, system_of
 from tests.fluid.scenes import KINDS, L0, tolerance
+from warp_mps.core.kit import kit
 from warp_mps.coupling.hydroelastic import Hydroelastic
 from warp_mps.coupling.markers import Markers
 from warp_mps.scene import Body, Material
@@ -54,6 +56,17 @@ def test_a_marker_stands_for_the_particles_of_a_cell(dimension: int, ratio: int)
     assert (markers.particles.spacings == L0).all()
     assert markers.particles.ranges[-1][1] == markers.particles.count == cells + particles.count - particles.elastic
     np.testing.assert_array_equal(markers.particles.positions[cells:], particles.positions[particles.elastic :])
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_cells_lie_along_a_turned_lattice(dimension: int) -> None:
+    """As those of the same bodies that are not turned do."""
+    system = two_bodies(dimension, 2)
+    turn, _ = np.linalg.qr(np.random.default_rng(5).normal(size=(dimension, dimension)))
+    turned = replace(system._particles, positions=system._particles.positions @ turn.T)
+    numbers = kit(dimension, "float64")
+    markers = Markers(turned, L0, kit=numbers, device="cpu")
+    assert {tuple(group) for group in members(markers)} == {tuple(group) for group in members(system._markers)}
 
 
 def test_cells_in_the_middle_hold_what_is_left_over() -> None:

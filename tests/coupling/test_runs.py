@@ -74,7 +74,6 @@ def test_a_run_in_two_parts_is_the_run_in_one(
     assert (resumed.steps, resumed.time, resumed.energy) == (summary.steps, summary.time, summary.energy)
     assert summary.momentum_error < 1e-8
     assert summary.coupling["disagreed"] == 0
-    assert summary.coupling["impulse_error"] < 1e-12
     assert 1.0 <= summary.coupling["passes"] <= summary.coupling["most_passes"] <= 20
 
 

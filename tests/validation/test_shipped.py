@@ -235,7 +235,6 @@ def test_results_of_coupled_cases_lie_within_their_tolerances(name: str, tmp_pat
     assert errors.keys() == tolerances.keys(), "every reference has a tolerance"
     assert {key: abs(error) <= tolerances[key] for key, error in errors.items()} == dict.fromkeys(tolerances, True)
     assert summary.fluid["unsolved"] == summary.fluid["lost"] == summary.coupling["disagreed"] == 0
-    assert summary.coupling["impulse_error"] < 1e-12
 
 
 @pytest.mark.validation

@@ -174,8 +174,8 @@ class ConjugateGradient:
             matrix: The matrix, symmetric among the unknowns.
             b: Right-hand side, float64, shape [capacity].
             x: First guess in, solution out, float64, shape [capacity].
-            rest: Launches the sum of q and of a symmetric matrix without a diagonal times x if `control[FRESH]` is not
-                0, else times p, from (control, x, p, q): what the rows do not hold.
+            rest: Launches the sum of q and of a symmetric matrix times x if `control[FRESH]` is not 0, else times p,
+                from (control, x, p, q): what the rows do not hold but for its diagonal, which is in `matrix.diagonal`.
         """
         kernels = self._kernels
         vectors = [self._inverse, self._rhs, self._r, self._z, self._p, self._q]

@@ -156,13 +156,15 @@ class Hydroelastic:
         wet, dry, count = self.water.energy(), self.solid.energy(), self._markers.count
         # what they do to each other is no work from outside
         exchanged = float(self.water.state.work.numpy()[:count].sum())
-        given = float(self.water.given.numpy().sum()) if self.implicit else 0.0
+        pressed, _, held = (float(work.numpy().sum()) for work in self.water.works)
+        # implicit steps count what pressures do as work from outside; what a support takes up goes back to the outside
+        inner = held + (pressed if self.implicit else 0.0)
         return Energy(
             kinetic=wet.kinetic + dry.kinetic,
             elastic=dry.elastic,
             contact=dry.contact,
             potential=wet.potential + dry.potential,
-            work=wet.work - exchanged + dry.work - given,
+            work=wet.work - exchanged + dry.work - inner,
             dissipated=wet.dissipated + dry.dissipated,
         )
 
@@ -172,7 +174,7 @@ class Hydroelastic:
 
     def record(self) -> dict[str, dict[str, float]]:
         """What the solvers did so far."""
-        work = {"work_on_bodies": float(self.water.given.numpy().sum())}
+        work = {"work_on_bodies": float(sum(work.numpy().sum() for work in self.water.works))}
         coupling = {**self.water.exchange.record(), **work}
         solver = self.solid.record() if isinstance(self.solid, ImplicitSolid) else {}
         return {**self.water.record(), **solver, "coupling": coupling}

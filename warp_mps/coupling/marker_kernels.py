@@ -93,13 +93,14 @@ def marker_kernels(kit: Kit) -> SimpleNamespace:
         displacement: wp.array(dtype=vec),
         # State in and out:
         velocity: wp.array(dtype=vec),
-        received: wp.array(dtype=vec64),
-        work: wp.array(dtype=wp.float64),
+        pressed: wp.array(dtype=wp.float64),
+        struck: wp.array(dtype=wp.float64),
+        held: wp.array(dtype=wp.float64),
     ):
         """What a step has done to the particles of a marker.
 
-        The impulses of the step that its forces do not hold, those of collisions and of viscosity, change velocities at
-        once; a support takes them up where it holds.
+        The impulses of the step that its forces do not hold, those of collisions, change velocities at once; a support
+        takes them up where it holds. The works are those of the forces, and of collisions on free and on held axes.
         """
         j = wp.tid()
         part = wp.float64(1.0) / wp.float64(first[j + 1] - first[j])
@@ -107,19 +108,19 @@ def marker_kernels(kit: Kit) -> SimpleNamespace:
         for m in range(first[j], first[j + 1]):
             pushed += dt[0] * vec64(external[members[m]])
         rest = impulse[j] - impulse_before[j] - pushed
-        gained = wp.float64(0.0)
-        total = pushed
         for m in range(first[j], first[j + 1]):
             i = members[m]
             before = velocity[i]
             jump = vec64(free[i]) * wp.float64(part / mass[i])
             after = vec(vec64(before) + wp.cw_mul(jump, rest))
             velocity[i] = after
-            gained += wp.dot(vec64(external[i]), vec64(displacement[i]) - vec64(displacement_before[i]))
-            gained += wp.float64(0.5) * part * wp.dot(rest, vec64(before) + vec64(after))
-            total += part * rest
-        received[j] = received[j] + total
-        work[j] = work[j] + gained
+            moved = vec64(displacement[i]) - vec64(displacement_before[i])
+            mean = wp.float64(0.5) * part * wp.cw_mul(rest, vec64(before) + vec64(after))
+            pressed[j] = pressed[j] + wp.dot(vec64(external[i]), moved)
+            on_free = wp.dot(vec64(free[i]), mean)
+            struck[j] = struck[j] + on_free
+            for axis in range(wp.static(d)):
+                held[j] = held[j] + (wp.float64(1.0) - wp.float64(free[i][axis])) * mean[axis]
 
     @kit.kernel(METHOD)
     def load(

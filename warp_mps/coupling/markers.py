@@ -21,6 +21,8 @@ from warp_mps.particles import Particles
 
 # of a particle's spacing: how far a lattice may be off its cells by rounding
 ROUNDING = 1e-6
+# how far neighbours on a lattice may be off a spacing and a right angle
+CLOSE = 1e-3
 
 
 class Markers:
@@ -89,7 +91,7 @@ def _cells(particles: Particles, spacing: float) -> np.ndarray:
     count = 0
     for first, last in particles.ranges[: particles.elastic_bodies]:
         x, own = particles.positions[first:last], float(particles.spacings[first])
-        cells = _cells_of(x, own, spacing) if own < (1.0 - ROUNDING) * spacing else x
+        cells = _cells_of(x @ _axes(x, own), own, spacing) if own < (1.0 - ROUNDING) * spacing else x
         _, begin, inverse = np.unique(cells, axis=0, return_index=True, return_inverse=True)
         # numbered by their first particle, which keeps what is near in space near in memory
         rank = np.argsort(np.argsort(begin))
@@ -113,6 +115,21 @@ def _cells_of(x: np.ndarray, own: float, spacing: float) -> np.ndarray:
     return np.floor(places + np.where(beyond, 1.0 - rest, 0.0) + ROUNDING).astype(np.int64)
 
 
+def _axes(x: np.ndarray, spacing: float) -> np.ndarray:
+    """Directions of the lattice that particles lie on, in columns; those of the scene if they lie on none."""
+    dimension = x.shape[1]
+    arms = (x - x[0]) / spacing
+    found: list[np.ndarray] = []
+    for arm in arms[np.abs(np.linalg.norm(arms, axis=1) - 1.0) < CLOSE]:
+        if all(abs(arm @ other) < CLOSE for other in found):
+            found.append(arm)
+    if len(found) == dimension - 1 and dimension == 2:  # a single row
+        found.append(np.array([-found[0][1], found[0][0]]))
+    if len(found) < dimension:
+        return np.eye(dimension)
+    return np.array(found[:dimension]).T
+
+
 def _gathered(particles: Particles, members: np.ndarray, first: np.ndarray, spacing: float) -> Particles:
     """The particles of a scene with markers in the place of the elastic ones."""
     elastic, count, starts = particles.elastic, len(first) - 1, first[:-1]
@@ -129,7 +146,6 @@ def _gathered(particles: Particles, members: np.ndarray, first: np.ndarray, spac
             own = np.add.reduceat(own, starts) if item.name == "masses" else own[starts]
         rows[item.name] = np.concatenate((own, values[elastic:]))
     rows["spacings"][:count] = spacing
-    rows["ids"] = np.arange(len(rows["ids"]))
     ends = np.cumsum(np.bincount(rows["bodies"], minlength=len(particles.names)))
     ranges = np.column_stack((np.concatenate(([0], ends[:-1])), ends))
     return replace(particles, elastic=count, ranges=ranges, **rows)

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-
 # change of the forces in a last pass, relative to them, beyond which water and bodies are at odds rather than slow
 AT_ODDS = 0.1
 
@@ -22,8 +20,6 @@ class ExchangeStatistics:
         disagreed: Steps that ended before water and bodies agreed.
         at_odds: Steps in a row, up to now, that ended with forces that still changed by more than `AT_ODDS`.
         last_residual: Change of the forces in the last pass of the last step, relative to them.
-        mismatch: Largest difference, over an interval, of the impulses that the water has given to the markers and of
-            those that the bodies' particles have got, relative to them.
     """
 
     steps: int = 0
@@ -33,7 +29,6 @@ class ExchangeStatistics:
     disagreed: int = 0
     at_odds: int = 0
     last_residual: float = 0.0
-    mismatch: float = 0.0
 
     def add(self, passes: int, residual: float, *, agreed: bool) -> None:
         """Count a step."""
@@ -45,12 +40,6 @@ class ExchangeStatistics:
         self.at_odds = 0 if residual <= AT_ODDS else self.at_odds + 1
         self.last_residual = residual
 
-    def compare(self, given: np.ndarray, got: np.ndarray) -> None:
-        """Look at the impulses of an interval, shapes [markers, d]."""
-        scale = float(np.linalg.norm(given, axis=1).sum())
-        if scale > 0.0:
-            self.mismatch = max(self.mismatch, float(np.linalg.norm(given - got, axis=1).sum()) / scale)
-
     def record(self) -> dict[str, float]:
         """For run.json."""
         return {
@@ -58,5 +47,4 @@ class ExchangeStatistics:
             "most_passes": self.most_passes,
             "worst_residual": self.worst_residual,
             "disagreed": self.disagreed,
-            "impulse_error": self.mismatch,
         }

@@ -19,6 +19,7 @@ References:
     Degroote, J., Bathe, K.-J. and Vierendeels, J., Computers & Structures 87 (2009) 793.
 """
 
+import math
 from typing import Any
 
 import numpy as np
@@ -33,7 +34,7 @@ from warp_mps.coupling.quasi_newton import QuasiNewton
 from warp_mps.coupling.record import ExchangeStatistics
 from warp_mps.coupling.structures import Structure
 from warp_mps.errors import InputError, RunError
-from warp_mps.fluid.failures import MOST_UNSOLVED
+from warp_mps.fluid.failures import LARGEST_SPEED, MOST_UNSOLVED
 from warp_mps.fluid.fluids import Fluids
 from warp_mps.requirements import place
 from warp_mps.scene import Scene
@@ -43,6 +44,8 @@ TOLERANCE = 1e-3
 MOST_PASSES = 20
 # steps whose passes the quasi-Newton method remembers
 REMEMBERED = 8
+# how much longer a step may be than the fastest particle asks for, where it is one of the bodies' already
+FASTEST = 5.0
 
 
 class WetFluids(Fluids):
@@ -50,8 +53,8 @@ class WetFluids(Fluids):
 
     Attributes:
         exchange: What the iterations did so far.
-        received: Impulses of the last interval on the bodies' particles, by marker [N s], float64 [markers].
-        given: Work on them so far [J], float64 [markers].
+        works: Works on the bodies so far [J], in 2-D [J/m], float64 [markers] each: of pressures, of collisions on free
+            axes, and of collisions on axes that a support holds.
 
     Args:
         scene: The case.
@@ -81,7 +84,7 @@ class WetFluids(Fluids):
         self._force, self._pressed, self._spare = zeros(e, vec64), zeros(e, vec64), zeros(e, wp.float64)
         self._about, self._approximate, self._answer = zeros(e, kit.vec), zeros(e, kit.vec), zeros(e, kit.vec)
         self._before = zeros(e, vec64)
-        self.received, self.given = zeros(e, vec64), zeros(e, wp.float64)
+        self.works = [zeros(e, wp.float64) for _ in range(3)]
         n = len(structure.solid.state.u)
         self._v_before, self._u_before = zeros(n, kit.vec), zeros(n, kit.vec)
         self._zero, self._one = zeros(1, wp.float64), wp.ones(1, dtype=wp.float64, device=device)
@@ -104,27 +107,17 @@ class WetFluids(Fluids):
         super().start()
         self._refuse_closed()
 
-    def advance(self, time: float) -> int:
-        """Advance to a time [s], and return the number of steps that it took.
-
-        Raises:
-            RunError: A step of the bodies was not solved, or a fluid particle is so fast that time stands still.
-        """
-        self.received.zero_()
-        steps = super().advance(time)
-        self.exchange.compare(self.state.impulse.numpy()[: self._markers.count], self.received.numpy())
-        return steps
-
     def arrays(self) -> dict[str, np.ndarray]:
         """Everything that evolves, for a checkpoint."""
-        own = {"given": self.given.numpy().copy(), "guess": self._guess}
+        own = {"works": np.stack([work.numpy() for work in self.works]), "guess": self._guess}
         learnt = {"learnt": self._newton.memory, "learnt_sizes": self._newton.sizes}
         return {**super().arrays(), **own, **learnt, **self.mobility.arrays()}
 
     def assign(self, arrays: dict[str, np.ndarray]) -> None:
         """Continue from arrays that `arrays` gave."""
         super().assign(arrays)
-        self.given.assign(arrays["given"])
+        for work, values in zip(self.works, arrays["works"], strict=True):
+            work.assign(values)
         self._guess = arrays["guess"].copy()
         self._newton.assign(arrays["learnt"], arrays["learnt_sizes"])
         self.mobility.assign(arrays)
@@ -170,13 +163,16 @@ class WetFluids(Fluids):
         """Make the step one that the bodies can take, and return the time at its end [s].
 
         Raises:
-            RunError: A particle is infinitely fast.
+            RunError: A particle is infinitely fast, or too fast for the bodies' steps.
         """
         now, target = float(self.state.time.numpy()[0]), float(self._target.numpy()[0])
         wish = float(self._dt.numpy()[0])
-        if not wish > 0.0:
+        dt, left = self._structure.fit(wish, target - now) if wish > 0.0 else (math.inf, 0)
+        if dt > LARGEST_SPEED * wish:
             raise RunError(f"at t = {now:.6g} s: {self.fastest()}: time stands still")
-        dt, left = self._structure.fit(wish, target - now)
+        if dt > FASTEST * wish:
+            reason = f"the bodies' explicit steps of {dt:.3g} s are too long for it; shorten the time step of the scene"
+            raise RunError(f"at t = {now:.6g} s: {self.fastest()}: {reason}")
         self._way.assign(self._way.numpy() * (dt / wish))
         self._dt.assign([dt])
         self._left.assign([left])
@@ -238,7 +234,9 @@ class WetFluids(Fluids):
     def _probe(self, time: float) -> None:
         """Measure how the bodies answer to a uniform pressure more, and to one that grows along an axis."""
         x = self.state.x.numpy()[self._walls :].astype(float)
-        patterns = [self._forces_of(values) for values in (np.ones(len(x)), *(x - x.mean(axis=0)).T)]
+        inside = self.state.lost.numpy()[self._walls :] == 0
+        x = np.where(inside[:, None], x - x[inside].mean(axis=0), 0.0)
+        patterns = [self._forces_of(values) for values in (np.ones(len(x)), *x.T)]
         self.mobility.measure(lambda forces: self._answer_to(forces, time), patterns, self._guess[0])
         self._newton.forget()
 
@@ -287,7 +285,7 @@ class WetFluids(Fluids):
         self._finish()
         solid = structure.solid.state
         inputs = [self._dt, self._before, state.impulse, structure.external, self._u_before, solid.u]
-        self._markers.receive(self._free, inputs, [solid.v, self.received, self.given])
+        self._markers.receive(self._free, inputs, [solid.v, *self.works])
         self._show(self._zero)
 
     def _show(self, ahead: wp.array) -> None:

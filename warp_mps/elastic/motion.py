@@ -88,17 +88,23 @@ def motion_kernels(kit: Kit) -> SimpleNamespace:
         # State in:
         v: wp.array(dtype=vec),
         # State in and out:
-        before: wp.array(dtype=vec),
+        elastic_before: wp.array(dtype=vec),
+        viscous_before: wp.array(dtype=vec),
         force: wp.array(dtype=vec),
         dissipated: wp.array(dtype=wp.float64),
     ):
-        """Add a viscous force: `factor` times the last change of the elastic one, that of its stiffness."""
+        """Add a viscous force: `factor` times the last change of the elastic one, that of its stiffness.
+
+        What it takes out in a step is the work of its mean over the step, as the kicks at both ends use it.
+        """
         i = first + wp.tid()
         elastic = force[i]
-        viscous = factor * (elastic - before[i])
-        before[i] = elastic
+        viscous = factor * (elastic - elastic_before[i])
+        loss = real(0.5) * dt * wp.dot(viscous_before[i] + viscous, v[i])
+        elastic_before[i] = elastic
+        viscous_before[i] = viscous
         force[i] = elastic + viscous
-        dissipated[i] = dissipated[i] - wp.float64(dt * wp.dot(viscous, v[i]))
+        dissipated[i] = dissipated[i] - wp.float64(loss)
 
     @kit.kernel(METHOD)
     def add(

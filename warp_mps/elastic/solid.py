@@ -123,7 +123,9 @@ class Solid:
         self._chunks = wp.zeros((4, -(-particles.count // CHUNK)), dtype=wp.float64, device=device)
         self._hold_still(particles)
         self._retardation = retardation_time / dt
-        self._elastic_before = wp.zeros(self._n if retardation_time else 0, dtype=kit.vec, device=device)
+        retarded = self._n if retardation_time else 0
+        # elastic and viscous force of the last step
+        self._retarded = [wp.zeros(retarded, dtype=kit.vec, device=device) for _ in range(2)]
         self.external = wp.zeros(particles.count, dtype=kit.vec, device=device) if loaded else None
         self.phases = self._make_phases()
 
@@ -138,7 +140,7 @@ class Solid:
             self.viscosity.launch_stress(self.state, 0.0, 0, self._n)
             self.viscosity.launch_force(self.state, 0, self._n)
         if self._retardation:
-            wp.copy(self._elastic_before, self.state.force, count=self._n)
+            wp.copy(self._retarded[0], self.state.force, count=self._n)
         if self.contacts:
             self._touch(self.contacts)
         self.outside.push(self.state.force, self._mass)
@@ -299,7 +301,7 @@ class Solid:
     def evolving(self) -> list[wp.array]:
         """Device arrays of everything that evolves: a step goes on from their contents."""
         parts = (self.state, self.outside, self.model.spins, self.viscosity, self.walls, self.contacts)
-        return [*(array for part in parts if part for array in part.evolving()), self._elastic_before]
+        return [*(array for part in parts if part for array in part.evolving()), *self._retarded]
 
     def arrays(self) -> dict[str, np.ndarray]:
         """Everything that evolves, for a checkpoint."""
@@ -307,7 +309,7 @@ class Solid:
         viscous = self.viscosity.arrays() if self.viscosity else {}
         walls = self.walls.arrays() if self.walls else {}
         contact = self.contacts.arrays() if self.contacts else {}
-        retarded = {"elastic_before": self._elastic_before.numpy().copy()} if self._retardation else {}
+        retarded = {"retarded": np.stack([array.numpy() for array in self._retarded])} if self._retardation else {}
         return {**self.state.arrays(), **spins, **viscous, **self.outside.arrays(), **walls, **contact, **retarded}
 
     def assign(self, arrays: dict[str, np.ndarray]) -> None:
@@ -319,7 +321,8 @@ class Solid:
         if self.viscosity:
             self.viscosity.assign(arrays)
         if self._retardation:
-            self._elastic_before.assign(arrays["elastic_before"])
+            for array, values in zip(self._retarded, arrays["retarded"], strict=True):
+                array.assign(values)
         if self.walls:
             self.walls.assign(arrays, self.outside.steps)
         # what a step makes anew, but a look at this moment needs already
@@ -368,7 +371,7 @@ class Solid:
 
     def _retard(self, first: int, count: int) -> None:
         inputs = [first, self._dt, self._retardation, self.state.v]
-        outputs = [self._elastic_before, self.state.force, self.state.dissipated]
+        outputs = [*self._retarded, self.state.force, self.state.dissipated]
         wp.launch(self._motion.retard, count, inputs, outputs, device=self._device)
 
     def _add_external(self) -> None:

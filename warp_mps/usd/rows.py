@@ -101,8 +101,8 @@ SCENE = _table(
          default=_default(sc.Scene, "load_steps")),
     _row("mps:integrator", "token", "integrator",
          "steps of elastic bodies: explicit, or implicit ones of any length: of `mps:timeStep`, or those of the water "
-         "about them. `auto` is explicit for bodies alone, and in water where few explicit steps fit into one of "
-         "the water",
+         "about them. `auto` is explicit for bodies alone, and in water where there is contact, a viscosity, "
+         "or the model is springs",
          default=_default(sc.Scene, "integrator"), allowed=sc.INTEGRATORS),
     _row("mps:theta", "double", "theta",
          "theta of `implicit` steps, 0.5 (keeps energy) to 1 (damps most); explicit ones in water are damped as much",
