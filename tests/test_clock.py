@@ -72,9 +72,9 @@ def test_a_stiff_contact_shortens_the_step_and_a_soft_one_does_not() -> None:
 @pytest.mark.parametrize(
     ("fields", "attribute"),
     [
-        ({"duration": 1e300}, "duration"),
-        ({"time_step": 1e-320}, "time_step"),
-        ({"frame_rate": 1e-310}, "frame_rate"),
+        ({"duration": 1e50}, "duration"),
+        ({"time_step": 1e-50}, "time_step"),
+        ({"frame_rate": 1e-50}, "frame_rate"),
     ],
 )
 def test_numbers_that_make_no_steps_are_refused(fields: dict, attribute: str) -> None:

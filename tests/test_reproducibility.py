@@ -53,7 +53,8 @@ CASES = {
     **{f"fluid 2-D, {name}": Case(lambda name=name: splash(2, scheme=name), 6, 5e-5) for name in SCHEMES},
     "fluid 3-D": Case(lambda: splash(3), 6, 5e-5),
     "coupled, explicit": Case(lambda: gate(**EXPLICIT), 6, 5e-5),
-    "coupled, implicit": Case(lambda: gate(**IMPLICIT), 4, 5e-5),
+    # single precision solves a step to 1e-4 of its forces
+    "coupled, implicit": Case(lambda: gate(**IMPLICIT), 4, 5e-4),
 }
 
 

@@ -93,7 +93,8 @@ FLUID_TOLERANCES: dict[str, dict[str, float]] = {
         "pressure on the side": 0.01,
         "level at the end": 0.003,
         "push on the right side": 0.015,
-        "volume at the end": 0.003,
+        # densities up to 1 % above a lattice's are taken for disorder
+        "volume at the end": 0.006,
     },
     # crests of little more than a spacing lose height
     "standing_wave": {
