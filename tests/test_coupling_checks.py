@@ -141,7 +141,7 @@ def test_water_that_fills_a_shell() -> None:
 
 
 def test_bodies_that_nothing_holds_are_remarked_upon() -> None:
-    said = "no contact and no supports: bodies go through walls and each other"
+    said = "no contact and no supports: bodies go through walls and each other; contact 'bodies' parts them"
     assert said in remarks(scene(contact=ALONE))
     assert said not in remarks(scene())
     assert said not in remarks(hung(contact=ALONE))

@@ -41,7 +41,7 @@ def remarks_on_bodies(scene: Scene) -> list[str]:
     """What is worth knowing of the bodies in the fluids of a scene, a line each."""
     lines = [line for body in scene.bodies for line in (*_thin(body, scene), *_uneven(body, scene))]
     if scene.bodies and scene.contact.between == "none" and not scene.supports:
-        lines.append("no contact and no supports: bodies go through walls and each other")
+        lines.append("no contact and no supports: bodies go through walls and each other; contact 'bodies' parts them")
     return lines
 
 

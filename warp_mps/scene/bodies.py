@@ -73,7 +73,7 @@ class Body:
 
 @dataclass(frozen=True, kw_only=True)
 class Wall:
-    """A rigid body that elastic bodies touch, at rest or on a prescribed motion.
+    """A rigid body that holds fluids and that elastic bodies touch, at rest or on a prescribed motion.
 
     A point X of it is at x = pivot + R(angle) (X - pivot) + displacement. It is filled with particles as a body is;
     walls may overlap each other, and do not touch each other.
