@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 FORMATS = ("png", "svg", "pdf")
+# more names than this take a second row, so that they leave room for the title
+LEGEND_COLUMNS = 4
 
 
 def plot_history(folder: Path, out: Path | None = None, *, overwrite: bool = False) -> int:
@@ -80,7 +82,7 @@ def _fill(axes: Axes, times: np.ndarray, panel: Panel, measurements: Sequence[di
     if axes.get_legend_handles_labels()[0]:
         # beside the title, where it covers nothing
         place: dict[str, Any] = {"loc": "lower right", "bbox_to_anchor": (1.0, 1.0), "borderaxespad": 0.2}
-        legend = axes.legend(ncols=8, handlelength=1.4, columnspacing=1.2, **place)
+        legend = axes.legend(ncols=LEGEND_COLUMNS, handlelength=1.4, columnspacing=1.2, labelspacing=0.2, **place)
         for text in legend.get_texts():
             text.set_parse_math(False)
 
