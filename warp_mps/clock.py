@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from warp_mps.elastic.material import pressure_wave_speed, stable_time_step
+from warp_mps.elastic.material import contact_slowing, pressure_wave_speed, stable_limit
 from warp_mps.errors import InputError
 from warp_mps.scene import Scene
 
@@ -61,11 +61,8 @@ class Clock:
             for body in scene.bodies
             for material in body.materials
         )
-        # a contact as stiff as the material adds to the stiffness of the particles that touch
-        slower = math.sqrt(max(1.0, scene.contact.stiffness))
-        crossing /= slower
-        limit = min(stable_time_step(body, scene) for body in scene.bodies) / slower
-        self.dt_limit = math.inf if scene.implicit else limit
+        crossing /= contact_slowing(scene)
+        self.dt_limit = math.inf if scene.implicit else stable_limit(scene)
         if scene.time_step is None:
             step = min(scene.courant * crossing, SAFETY * self.dt_limit)
             self.sample_every = max(1, math.ceil(_count(scene, frame / samples, step, "frame_rate")))

@@ -147,12 +147,11 @@ def _estimate_fluids(scene: Scene) -> Cost:
 def _of_bodies(scene: Scene, particles: Particles) -> float:
     """Seconds that the elastic bodies take in a step of the water about them."""
     from warp_mps.coupling.choice import stable_step, substep, takes_implicit_steps
-    from warp_mps.fluid.limits import step_limit
+    from warp_mps.fluid.limits import longest_step
 
     if not scene.bodies:
         return 0.0
-    limit, _ = step_limit(scene, particles)
-    dt = min(limit, scene.time_step or limit)
+    dt = longest_step(scene, particles)
     if takes_implicit_steps(scene):
         iterations = min(LINEAR * particles.elastic ** (1.0 / scene.dimension), 1.0 + 2.0 * dt / stable_step(scene))
         steps = PRODUCT * NEWTON["dynamic"] * iterations

@@ -7,14 +7,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from warp_mps.requirements import place, require
+from warp_mps.requirements import SAME, place, require
 from warp_mps.shapes import Box
 
 if TYPE_CHECKING:
     from warp_mps.scene import Body, Scene
-
-# relative difference up to which a spacing is a whole part of another
-SAME = 1e-6
 
 
 def check_coupling(scene: Scene) -> None:

@@ -13,14 +13,12 @@ import numpy as np
 from warp_mps import scene as sc
 from warp_mps.coupling_checks import remarks_on_bodies
 from warp_mps.fluid.operators import SKIN
-from warp_mps.requirements import choice, in_range, place, positive, require, vector
+from warp_mps.requirements import SAME, choice, in_range, place, positive, require, vector
 from warp_mps.shapes import Box
 
 if TYPE_CHECKING:
     from warp_mps.scene import Fluid, Probe, Scene, VelocityField, Wall
 
-# relative difference up to which spacings are the same
-SAME = 1e-6
 # two directions are at right angles when the cosine between them is no larger
 RIGHT_ANGLE = 1e-6
 

@@ -17,6 +17,9 @@ if TYPE_CHECKING:
 # of any number, in SI units: beyond it, and below its inverse, products of a few numbers are no numbers any more
 LARGEST = 1e60
 
+# relative difference up to which spacings, or multiples of them, are the same
+SAME = 1e-6
+
 
 def place(item: Body | Part | Wall | Fluid | Support | Load | Probe | Measurement, kind: str) -> str:
     """How an error names an item: its path, or its kind and name where it has none."""

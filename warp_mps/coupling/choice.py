@@ -10,22 +10,20 @@ from __future__ import annotations
 
 import math
 
-from warp_mps.elastic.material import stable_time_step
-from warp_mps.fluid.limits import step_limit
+from warp_mps.clock import SAFETY
+from warp_mps.elastic.material import stable_limit
+from warp_mps.fluid.limits import longest_step
 from warp_mps.implicit_checks import touches
 from warp_mps.particles import Particles
 from warp_mps.scene import Scene
 
-# of the largest stable step: what a step of the bodies has at most
-SAFETY = 0.9
 # the least number of sub-steps in the longest step, so that the water's can be shortened where it is fast
 LEAST_SUBSTEPS = 4
 
 
 def stable_step(scene: Scene) -> float:
     """Largest explicit step of the bodies, contact included [s]."""
-    slower = math.sqrt(max(1.0, scene.contact.stiffness))
-    return SAFETY * min(stable_time_step(body, scene) for body in scene.bodies) / slower
+    return SAFETY * stable_limit(scene)
 
 
 def takes_implicit_steps(scene: Scene) -> bool:
@@ -47,13 +45,8 @@ def substep(scene: Scene, particles: Particles, interval: float) -> tuple[float,
     A whole number of steps makes an interval between two samples. The viscous force is that of the step before, and
     2/omega_max shrinks to (sqrt(1 + s^2) - s) 2/omega_max, s = tau omega_max/2 (Belytschko, Liu and Moran, chapter 6).
     """
-    longest, stable = _longest(scene, particles), stable_step(scene)
+    longest, stable = longest_step(scene, particles), stable_step(scene)
     tau = (2.0 * scene.theta - 1.0) * longest
     ratio = tau * SAFETY / stable
     stable *= math.sqrt(1.0 + ratio**2) - ratio
     return interval / math.ceil(interval / min(stable, longest / LEAST_SUBSTEPS)), tau
-
-
-def _longest(scene: Scene, particles: Particles) -> float:
-    limit, _ = step_limit(scene, particles)
-    return min(limit, scene.time_step or limit)

@@ -55,6 +55,19 @@ def stable_time_step(body: Body, scene: Scene) -> float:
     )
 
 
+def stable_limit(scene: Scene) -> float:
+    """Largest time step that is stable for small deformations of all bodies [s].
+
+    A contact as stiff as the material adds to the stiffness of the particles that touch.
+    """
+    return min(stable_time_step(body, scene) for body in scene.bodies) / contact_slowing(scene)
+
+
+def contact_slowing(scene: Scene) -> float:
+    """How many times shorter a stiff contact makes time steps [-]."""
+    return math.sqrt(max(1.0, scene.contact.stiffness))
+
+
 def joined(body: Body, scene: Scene) -> list[Body]:
     """The bodies that a body is bonded to, directly or through others, and itself."""
     found = [body]

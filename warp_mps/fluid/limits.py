@@ -36,6 +36,12 @@ def step_limit(scene: Scene, particles: Particles) -> tuple[float, bool]:
     return limit, min(limit, scene.time_step or limit) * fluid.liquid.viscosity > VISCOUS_STEP * fluid.spacing**2
 
 
+def longest_step(scene: Scene, particles: Particles) -> float:
+    """Longest step that a fluid takes at its start: the scene's, where the limit is not shorter [s]."""
+    limit, _ = step_limit(scene, particles)
+    return min(limit, scene.time_step or limit)
+
+
 def domain(scene: Scene, particles: Particles) -> tuple[np.ndarray, np.ndarray]:
     """Lowest and highest corner of what is computed [m]; by default the particles' box, and its size about it.
 
