@@ -58,13 +58,20 @@ def bench_solid(
     table.add_column("share of each kernel")
     for model, dimension, size, precision in itertools.product(models, dimensions, sizes or SIZES, precisions):
         scene = block(model, dimension, size)
-        if memory_of(scene, size) > available_memory():
-            print(f"warp-mps: {size} particles in {dimension}-D do not fit into memory, left out", file=sys.stderr)
+        if not fits(scene, size, size):
             continue
         print(f"warp-mps: {model}, {dimension}-D, {size} particles, {precision}", file=sys.stderr, flush=True)
         table.add_row(model, *_measure(scene, precision, device, threads))
     console().print(table)
     return 0
+
+
+def fits(scene: Scene, size: int, particles: int) -> bool:
+    """Whether a scene of a size, and so many particles in all, fits into memory; says so if it does not."""
+    if memory_of(scene, particles) <= available_memory():
+        return True
+    print(f"warp-mps: {size} particles in {scene.dimension}-D do not fit into memory, left out", file=sys.stderr)
+    return False
 
 
 def block(model: str, dimension: int, size: int) -> Scene:

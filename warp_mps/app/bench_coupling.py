@@ -11,11 +11,10 @@ from typing import Any
 
 from rich.table import Table
 
-from warp_mps.app.bench_fluids import THICK, TOLERANCE, box
+from warp_mps.app.bench import fits
+from warp_mps.app.bench_fluids import THICK, TOLERANCE, all_particles, box
 from warp_mps.app.show import console
-from warp_mps.cost import available_memory, memory_of
 from warp_mps.coupling.hydroelastic import Hydroelastic
-from warp_mps.particles import count_particles
 from warp_mps.scene import Body, Contact, Flow, Fluid, Material, Scene, Support, Wall
 from warp_mps.simulation import Simulation
 
@@ -47,8 +46,7 @@ def bench_coupling(sizes: Sequence[int], *, dimensions: Sequence[int], precision
     for dimension, precision in itertools.product(dimensions, precisions):
         for size, way in itertools.product(sizes or SIZES[dimension], WAYS):
             scene = column(dimension, size, way)
-            if memory_of(scene, sum(count_particles(scene).values())) > available_memory():
-                print(f"warp-mps: {size} particles in {dimension}-D do not fit into memory, left out", file=sys.stderr)
+            if not fits(scene, size, all_particles(scene)):
                 continue
             line = f"warp-mps: water on a plate, {dimension}-D, {size} particles, {way}, {precision}"
             print(line, file=sys.stderr, flush=True)

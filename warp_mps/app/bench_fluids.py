@@ -10,9 +10,9 @@ from typing import Any
 
 from rich.table import Table
 
+from warp_mps.app.bench import fits
 from warp_mps.app.show import console
 from warp_mps.core.solver import Statistics
-from warp_mps.cost import available_memory, memory_of
 from warp_mps.scene import Flow, Fluid, Scene, Wall
 from warp_mps.shapes import Box
 from warp_mps.simulation import Simulation
@@ -58,8 +58,7 @@ def bench_fluids(sizes: Sequence[int], *, dimensions: Sequence[int], precisions:
     for dimension, precision in itertools.product(dimensions, precisions):
         for size in sizes or SIZES[dimension]:
             scene = dam(dimension, size)
-            if memory_of(scene, _all_particles(scene)) > available_memory():
-                print(f"warp-mps: {size} particles in {dimension}-D do not fit into memory, left out", file=sys.stderr)
+            if not fits(scene, size, all_particles(scene)):
                 continue
             print(f"warp-mps: dam break, {dimension}-D, {size} particles, {precision}", file=sys.stderr, flush=True)
             table.add_row(*_measure(scene, precision, device))
@@ -104,7 +103,8 @@ def _wall(name: str, low: Sequence[float], high: Sequence[float]) -> Wall:
     return Wall(name=name, shape=box(low, high), spacing=1.0)
 
 
-def _all_particles(scene: Scene) -> int:
+def all_particles(scene: Scene) -> int:
+    """Number of particles of a scene, walls included."""
     from warp_mps.particles import count_particles
 
     return sum(count_particles(scene).values())
