@@ -48,7 +48,14 @@ class System:
         return float(np.linalg.norm(difference) / np.linalg.norm(self.b[self.unknowns]))
 
 
-def laplacian(shape: tuple[int, ...], *, reach: float = 2.1, surface: bool = True, scatter: float = 0.0) -> System:
+def laplacian(
+    shape: tuple[int, ...],
+    *,
+    reach: float = 2.1,
+    surface: bool = True,
+    scatter: float = 0.0,
+    periodic: tuple[int, ...] = (),
+) -> System:
     """A box of particles, a spacing of 1 apart and each shifted by up to a tenth.
 
     Args:
@@ -56,6 +63,7 @@ def laplacian(shape: tuple[int, ...], *, reach: float = 2.1, surface: bool = Tru
         reach: Effective radius.
         surface: Whether the top layer is a free surface, where x = 0; if not, the system is singular.
         scatter: Share of the particles inside that are no unknowns either.
+        periodic: Axes along which the box repeats itself, at least twice as long as the effective radius.
     """
     rng = np.random.default_rng(5)
     axes = np.meshgrid(*[np.arange(length) + 0.5 for length in shape], indexing="ij")
@@ -66,8 +74,13 @@ def laplacian(shape: tuple[int, ...], *, reach: float = 2.1, surface: bool = Tru
         active[positions[:, -1] > shape[-1] - 1] = 0
     active[rng.random(n) < scatter] = 0
     positions += rng.uniform(-0.1, 0.1, positions.shape)
-    i, j = cKDTree(positions).query_pairs(reach, output_type="ndarray").T
-    w = reach / np.linalg.norm(positions[i] - positions[j], axis=1) - 1.0
+    period = np.where(np.isin(np.arange(len(shape)), periodic), shape, 0)
+    positions = np.where(period > 0, positions % np.maximum(period, 1), positions)
+    tree = cKDTree(positions - np.where(period > 0, 0.0, positions.min(axis=0)), boxsize=period)
+    i, j = tree.query_pairs(reach, output_type="ndarray").T
+    apart = positions[i] - positions[j]
+    apart -= period * np.round(apart / np.maximum(period, 1))
+    w = reach / np.linalg.norm(apart, axis=1) - 1.0
     half = scipy.sparse.coo_matrix((w, (i, j)), shape=(n, n))
     weights = (half + half.T).tocsr()
     weights.sort_indices()

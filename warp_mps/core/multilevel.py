@@ -13,7 +13,7 @@ The matrix of the cells is the sum of the entries between their unknowns, as if 
 couplings scaled down for what that makes them too stiff (overcorrection, as in Braess, Computing 55 (1995) 379):
 constants keep it local, a nearest-neighbour matrix on each level, while the linear P keeps the number of iterations.
 That is the way of cell-centred multigrid (Wesseling, SIAM J. Sci. Stat. Comput. 9 (1988) 451). M is symmetric and
-positive whatever the matrix is.
+positive whatever the matrix is. Along an axis that repeats itself the cells of every level do so, too.
 """
 
 from __future__ import annotations
@@ -28,6 +28,7 @@ from warp_mps.core.kit import Kit
 from warp_mps.core.multilevel_cells import cell_kernels
 from warp_mps.core.multilevel_grid import METHOD, cell_type, corner_type
 from warp_mps.core.multilevel_particles import particle_kernels
+from warp_mps.core.multilevel_tables import Along, halved, interpolation, surroundings, transpose
 from warp_mps.core.solver import Matrix
 
 # Stiffness of a linear field over that of its piecewise constant image in cells as wide as the effective radius:
@@ -38,22 +39,25 @@ COARSEST_SWEEPS = 8
 
 
 class Level:
-    """A grid of cells, its matrix and its vectors.
+    """A grid of cells, its matrix and its vectors, and the way to the next one.
 
     Args:
         dims: Cells along each axis.
+        wraps: Whether each axis repeats itself.
         kit: Number types.
         device: Warp device.
     """
 
-    def __init__(self, dims: np.ndarray, *, kit: Kit, device: Any) -> None:
-        self.size = int(np.prod(dims))
-        self.dims = cell_type(kit)(*[int(length) for length in dims])
-        # the first axis runs fastest, both through the cells and through the offsets to the cells around one
-        strides = [int(np.prod(dims[:axis])) for axis in reversed(range(kit.dimension))]
-        steps = [int(np.dot(offset, strides)) for offset in itertools.product((-1, 0, 1), repeat=kit.dimension)]
-        self.steps = wp.array(steps, dtype=wp.int32, device=device)
-        self.coupling = wp.zeros(self.size * len(steps), dtype=wp.float64, device=device)
+    def __init__(self, dims: np.ndarray, wraps: np.ndarray, *, kit: Kit, device: Any) -> None:
+        self.size, ivec = int(np.prod(dims)), cell_type(kit)
+        self.dims = ivec(*[int(length) for length in dims])
+        around = surroundings(dims, wraps)
+        self.there = wp.array(around.ravel(), dtype=wp.int32, device=device)
+        self.coupling = wp.zeros(around.size, dtype=wp.float64, device=device)
+        coarse = [int(length) for length in halved(dims)]
+        above = [interpolation(int(n), half, wrap) for n, half, wrap in zip(dims, coarse, wraps, strict=True)]
+        below = [transpose(*table, half, wrap) for table, half, wrap in zip(above, coarse, wraps, strict=True)]
+        self.above, self.below = (Along(tables, ivec=ivec, device=device) for tables in (above, below))
         vectors = [wp.zeros(self.size, dtype=wp.float64, device=device) for _ in range(5)]
         self.excess, self.diagonal, self.r, self.e, self.spare = vectors
 
@@ -65,7 +69,7 @@ class Level:
     @property
     def rows(self) -> list[wp.array]:
         """What a product with the matrix reads."""
-        return [self.steps, self.coupling, self.diagonal]
+        return [self.there, self.coupling, self.diagonal]
 
 
 class Multilevel:
@@ -78,10 +82,19 @@ class Multilevel:
         reach: Effective radius of the matrix's sums [m].
         kit: Number types of the matrix and the positions.
         device: Warp device.
+        periodic: Axes along which the domain repeats itself.
     """
 
     def __init__(
-        self, positions: wp.array, *, low: np.ndarray, high: np.ndarray, reach: float, kit: Kit, device: Any
+        self,
+        positions: wp.array,
+        *,
+        low: np.ndarray,
+        high: np.ndarray,
+        reach: float,
+        kit: Kit,
+        device: Any,
+        periodic: tuple[int, ...] = (),
     ) -> None:
         self._device, self._positions = device, positions
         self._cells, self._particles = cell_kernels(kit), particle_kernels(kit)
@@ -91,20 +104,26 @@ class Multilevel:
         # a domain that is nearly empty gets wider cells instead of more memory
         while np.prod(np.ceil(extent / width)) > max(self._n, 64):
             width *= 1.25
-        self._scale = SCALE * reach / width
-        dims = np.maximum(np.ceil(extent / width), 1).astype(int)
-        self._levels = [Level(dims, kit=kit, device=device)]
+        wraps = np.isin(np.arange(kit.dimension), periodic)
+        # a period is a whole number of cells, which are then somewhat wider
+        dims = np.maximum(np.where(wraps, np.floor(extent / width + 1e-6), np.ceil(extent / width)), 1).astype(int)
+        widths = np.where(wraps, extent / dims, width)
+        self._scale = float(SCALE * reach / widths.min())
+        self._levels = [Level(dims, wraps, kit=kit, device=device)]
         while dims.max() > 2:
-            dims = -(-dims // 2)
-            self._levels.append(Level(dims, kit=kit, device=device))
+            dims = halved(dims)
+            self._levels.append(Level(dims, wraps, kit=kit, device=device))
         top = self._levels[0]
+        self._wraps = cell_type(kit)(*[int(wrap) for wrap in wraps])
+        self._grid = [top.dims, self._wraps]
         self._bins = top.size * 2**kit.dimension
-        self._box = [kit.vec(*[float(x) for x in low]), width, top.dims]
+        self._box = [kit.vec(*[float(x) for x in low]), kit.vec(*[float(x) for x in widths]), *self._grid]
         self._allocate(kit)
 
     def _allocate(self, kit: Kit) -> None:
         n, device, dims = self._n, self._device, self._levels[0].dims
-        self._sums = int(np.prod([dims[axis] + 1 for axis in range(kit.dimension)]))
+        # boxes between the centres of cells
+        self._sums = int(np.prod([dims[axis] + 1 - self._wraps[axis] for axis in range(kit.dimension)]))
         shares = corner_type(kit)
         # sorting takes room for two copies
         self._bin = wp.zeros(2 * n, dtype=wp.int32, device=device)
@@ -124,21 +143,21 @@ class Multilevel:
         wp.utils.radix_sort_pairs(self._bin, self._order, self._n, end_bit=self._bins.bit_length())
         self._launch(particles.find_starts, self._bins + 1, [self._n, self._bin], [self._start])
         rows = [matrix.first, matrix.count, matrix.index, matrix.value, matrix.diagonal]
-        inputs = [top.dims, self._scale, *rows, self._start, self._order, self._cell]
+        inputs = [*self._grid, self._scale, *rows, self._start, self._order, self._cell]
         self._launch(particles.gather, top.size, inputs, top.matrix)
-        self._launch(particles.spread, self._sums, [top.dims, top.diagonal], [self._corner_sums])
+        self._launch(particles.spread, self._sums, [*self._grid, top.diagonal], [self._corner_sums])
         self._launch(particles.weigh_again, self._n, [inverse, self._between, self._corner_sums], [self._weight])
         for fine, coarse in itertools.pairwise(levels):
-            inputs = [fine.dims, coarse.dims, fine.coupling, fine.excess]
+            inputs = [fine.dims, coarse.dims, self._wraps, fine.coupling, fine.excess]
             self._launch(self._cells.coarsen, coarse.size, inputs, coarse.matrix)
 
     def apply(self, r: wp.array, z: wp.array) -> None:
         """Launch z = z + P V P^T r."""
         particles, top, sums = self._particles, self._levels[0], self._corner_sums
-        inputs = [top.dims, self._start, self._order, self._weight, r]
+        inputs = [*self._grid, self._start, self._order, self._weight, r]
         self._launch(particles.collect_particles, self._sums, inputs, [sums])
-        self._launch(particles.collect_corners, top.size, [top.dims, top.diagonal, sums], [top.r, top.e])
-        self._launch(particles.spread, self._sums, [top.dims, self._cycle(0)], [sums])
+        self._launch(particles.collect_corners, top.size, [*self._grid, top.diagonal, sums], [top.r, top.e])
+        self._launch(particles.spread, self._sums, [*self._grid, self._cycle(0)], [sums])
         inputs = [self._inverse, self._between, self._weight, sums]
         self._launch(particles.interpolate_particles, self._n, inputs, [z])
 
@@ -153,9 +172,9 @@ class Multilevel:
             return e
         coarse = self._levels[k + 1]
         self._launch(self._cells.find_residual, level.size, [*level.rows, level.r, level.e], [level.spare])
-        inputs = [level.dims, coarse.dims, coarse.diagonal, level.spare]
+        inputs = [level.dims, coarse.dims, *level.below.inputs, coarse.diagonal, level.spare]
         self._launch(self._cells.collect_cells, coarse.size, inputs, [coarse.r, coarse.e])
-        inputs = [level.dims, coarse.dims, level.diagonal, self._cycle(k + 1)]
+        inputs = [level.dims, coarse.dims, *level.above.inputs, level.diagonal, self._cycle(k + 1)]
         self._launch(self._cells.interpolate_cells, level.size, inputs, [level.e])
         self._launch(self._cells.sweep, level.size, [*level.rows, level.r, level.e], [level.spare])
         return level.spare

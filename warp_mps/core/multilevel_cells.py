@@ -7,44 +7,33 @@ import warp as wp
 
 from warp_mps.core.kit import Kit
 from warp_mps.core.multilevel_grid import DAMPING, METHOD, cell_type, grid_functions
+from warp_mps.core.multilevel_tables import ABOVE, BELOW
 
 
 @functools.cache
 def cell_kernels(kit: Kit) -> SimpleNamespace:
     """Kernels of one dimension; vectors are always in double precision."""
     real64, d, ivec = wp.float64, kit.dimension, cell_type(kit)
-    around, corners, reached = 3**d, 2**d, 4**d
+    around, corners, below, above = 3**d, 2**d, BELOW**d, ABOVE**d
     counts, numbers = wp.array(dtype=wp.int32), wp.array(dtype=wp.float64)
     grid = grid_functions(kit)
     flat, unflat, corner, slot, close = grid.flat, grid.unflat, grid.corner, grid.slot, grid.close
+    inside, wrapped, nearest = grid.inside, grid.wrapped, grid.nearest
 
     @kit.func(METHOD)
-    def coupled(c: wp.int32, steps: counts, coupling: numbers, e: numbers):
+    def coupled(c: wp.int32, there: counts, coupling: numbers, e: numbers):
         """Sum over the cells around a cell of coupling e; a coupling across the edge of the grid is 0."""
         total = real64(0.0)
-        for s in range(around):
-            total += coupling[c * around + s] * e[wp.clamp(c + steps[s], 0, e.shape[0] - 1)]
+        for s in range(c * around, (c + 1) * around):
+            total += coupling[s] * e[there[s]]
         return total
-
-    @kit.func(METHOD)
-    def share(fine: wp.int32, coarse: wp.int32, n: wp.int32):
-        """Weight of a coarse cell in the linear interpolation to a fine one's centre, along one axis of n cells."""
-        near = fine // 2
-        far = near - 1 + 2 * (fine % 2)
-        weight = real64(0.0)
-        if coarse == near:
-            weight = real64(0.75)
-            if far < 0 or far >= n:
-                weight = real64(1.0)
-        elif coarse == far:
-            weight = real64(0.25)
-        return weight
 
     @kit.kernel(METHOD)
     def coarsen(
         # Model:
         dims: ivec,
         coarse_dims: ivec,
+        wraps: ivec,
         # State in:
         coupling: numbers,
         excess: numbers,
@@ -61,11 +50,7 @@ def cell_kernels(kit: Kit) -> SimpleNamespace:
         total = real64(0.0)
         for k in range(corners):
             child = 2 * here + corner(k)
-            inside = wp.int32(1)
-            for m in range(d):
-                if child[m] >= dims[m]:
-                    inside = 0
-            if inside == 1:
+            if inside(child, dims):
                 f = flat(child, dims)
                 total += excess[f]
                 for s in range(around):
@@ -73,9 +58,12 @@ def cell_kernels(kit: Kit) -> SimpleNamespace:
                         rest = s
                         offset = ivec()
                         for m in range(d):
-                            offset[m] = (child[m] + rest % 3 - 1) // 2 - here[m]
+                            offset[m] = rest % 3 - 1
                             rest = rest // 3
-                        to = slot(offset)
+                        there = wrapped(child + offset, dims, wraps)
+                        for m in range(d):
+                            offset[m] = there[m] // 2 - here[m]
+                        to = slot(nearest(offset, coarse_dims, wraps))
                         if to != around // 2:
                             coupling_out[c * around + to] += real64(0.5) * coupling[f * around + s]
         close(c, total, coupling_out, excess_out, diagonal_out)
@@ -83,7 +71,7 @@ def cell_kernels(kit: Kit) -> SimpleNamespace:
     @kit.kernel(METHOD)
     def find_residual(
         # Model:
-        steps: counts,
+        there: counts,
         # State in:
         coupling: numbers,
         diagonal: numbers,
@@ -96,7 +84,7 @@ def cell_kernels(kit: Kit) -> SimpleNamespace:
         c = wp.tid()
         left = real64(0.0)
         if diagonal[c] > real64(0.0):
-            left = r[c] - diagonal[c] * e[c] + coupled(c, steps, coupling, e)
+            left = r[c] - diagonal[c] * e[c] + coupled(c, there, coupling, e)
         left_out[c] = left
 
     @kit.kernel(METHOD)
@@ -104,6 +92,9 @@ def cell_kernels(kit: Kit) -> SimpleNamespace:
         # Model:
         dims: ivec,
         coarse_dims: ivec,
+        first: ivec,
+        cell: counts,
+        share: numbers,
         # State in:
         diagonal: numbers,
         left: numbers,
@@ -117,17 +108,15 @@ def cell_kernels(kit: Kit) -> SimpleNamespace:
         e = real64(0.0)
         if diagonal[c] > real64(0.0):
             here = unflat(c, coarse_dims)
-            for k in range(reached):
+            for k in range(below):
                 rest = wp.int32(k)
                 fine = ivec()
                 weight = real64(1.0)
                 for m in range(d):
-                    fine[m] = 2 * here[m] - 1 + rest % 4
-                    rest = rest // 4
-                    if fine[m] >= 0 and fine[m] < dims[m]:
-                        weight *= share(fine[m], here[m], coarse_dims[m])
-                    else:
-                        weight = real64(0.0)
+                    at = (first[m] + here[m]) * BELOW + rest % BELOW
+                    fine[m] = cell[at]
+                    weight *= share[at]
+                    rest = rest // BELOW
                 if weight > real64(0.0):
                     total += weight * left[flat(fine, dims)]
             e = real64(DAMPING) * total / diagonal[c]
@@ -139,6 +128,9 @@ def cell_kernels(kit: Kit) -> SimpleNamespace:
         # Model:
         dims: ivec,
         coarse_dims: ivec,
+        first: ivec,
+        cell: counts,
+        share: numbers,
         # State in:
         diagonal: numbers,
         coarse_e: numbers,
@@ -150,17 +142,15 @@ def cell_kernels(kit: Kit) -> SimpleNamespace:
         if diagonal[c] > real64(0.0):
             here = unflat(c, dims)
             total = real64(0.0)
-            for k in range(corners):
-                at = corner(k)
+            for k in range(above):
+                rest = wp.int32(k)
                 coarse = ivec()
                 weight = real64(1.0)
                 for m in range(d):
-                    near = here[m] // 2
-                    coarse[m] = near + at[m] * (2 * (here[m] % 2) - 1)
-                    if coarse[m] >= 0 and coarse[m] < coarse_dims[m]:
-                        weight *= share(here[m], coarse[m], coarse_dims[m])
-                    else:
-                        weight = real64(0.0)
+                    at = (first[m] + here[m]) * ABOVE + rest % ABOVE
+                    coarse[m] = cell[at]
+                    weight *= share[at]
+                    rest = rest // ABOVE
                 if weight > real64(0.0):
                     total += weight * coarse_e[flat(coarse, coarse_dims)]
             e_out[c] += total
@@ -168,7 +158,7 @@ def cell_kernels(kit: Kit) -> SimpleNamespace:
     @kit.kernel(METHOD)
     def sweep(
         # Model:
-        steps: counts,
+        there: counts,
         # State in:
         coupling: numbers,
         diagonal: numbers,
@@ -180,7 +170,7 @@ def cell_kernels(kit: Kit) -> SimpleNamespace:
         """A damped Jacobi sweep."""
         c = wp.tid()
         if diagonal[c] > real64(0.0):
-            left = r[c] - diagonal[c] * e[c] + coupled(c, steps, coupling, e)
+            left = r[c] - diagonal[c] * e[c] + coupled(c, there, coupling, e)
             e_out[c] = e[c] + real64(DAMPING) * left / diagonal[c]
         else:
             e_out[c] = real64(0.0)

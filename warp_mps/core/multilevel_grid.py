@@ -2,7 +2,7 @@
 
 A level is a grid of cells. Its matrix has an entry for each of the 3^d cells around a cell, `coupling`, in the order of
 their offsets (that of the cell itself is 0); and an `excess` of the diagonal over the sum of the couplings. In cells
-without an unknown the diagonal is 0.
+without an unknown the diagonal is 0. Axes that repeat themselves are those where `wraps` is 1, otherwise it is 0.
 """
 
 import functools
@@ -30,7 +30,7 @@ def corner_type(kit: Kit) -> type:
 
 @functools.cache
 def grid_functions(kit: Kit) -> SimpleNamespace:
-    """Functions of one dimension: `flat`, `unflat`, `corner`, `slot` and `close`."""
+    """Functions of one dimension: `flat`, `unflat`, `corner`, `inside`, `wrapped`, `nearest`, `slot` and `close`."""
     d, around = kit.dimension, 3**kit.dimension
     ivec, numbers = cell_type(kit), wp.array(dtype=wp.float64)
 
@@ -62,6 +62,33 @@ def grid_functions(kit: Kit) -> SimpleNamespace:
         return offset
 
     @kit.func(METHOD)
+    def inside(cell: ivec, dims: ivec):
+        """Whether a grid has such a cell."""
+        found = True
+        for m in range(d):
+            if cell[m] < 0 or cell[m] >= dims[m]:
+                found = False
+        return found
+
+    @kit.func(METHOD)
+    def wrapped(cell: ivec, dims: ivec, wraps: ivec):
+        """The same cell within the grid, where an axis repeats itself; at most one cell beyond."""
+        same = cell
+        for m in range(d):
+            if wraps[m] == 1:
+                same[m] = (cell[m] + dims[m]) % dims[m]
+        return same
+
+    @kit.func(METHOD)
+    def nearest(offset: ivec, dims: ivec, wraps: ivec):
+        """The shortest of all offsets to the same cell, where an axis repeats itself."""
+        shortest = offset
+        for m in range(d):
+            if wraps[m] == 1 and 2 * wp.abs(offset[m]) > dims[m]:
+                shortest[m] = offset[m] - wp.sign(offset[m]) * dims[m]
+        return shortest
+
+    @kit.func(METHOD)
     def slot(offset: ivec):
         """Place of a neighbouring cell, or of the cell itself, in a row; -1 if it is farther away."""
         place = wp.int32(0)
@@ -82,4 +109,5 @@ def grid_functions(kit: Kit) -> SimpleNamespace:
         excess_out[c] = excess
         diagonal_out[c] = total
 
-    return SimpleNamespace(flat=flat, unflat=unflat, corner=corner, slot=slot, close=close)
+    made = (flat, unflat, corner, inside, wrapped, nearest, slot, close)
+    return SimpleNamespace(**{function.func.__name__: function for function in made})

@@ -25,13 +25,15 @@ def particle_kernels(kit: Kit) -> SimpleNamespace:
     counts, numbers = wp.array(dtype=wp.int32), wp.array(dtype=wp.float64)
     grid = grid_functions(kit)
     flat, unflat, corner, slot, close = grid.flat, grid.unflat, grid.corner, grid.slot, grid.close
+    inside, wrapped, nearest = grid.inside, grid.wrapped, grid.nearest
 
     @kit.kernel(METHOD)
     def locate(
         # Model:
         low: vec,
-        width: real,
+        width: vec,
         dims: ivec,
+        wraps: ivec,
         bins: wp.int32,
         # State in:
         inverse: numbers,
@@ -60,15 +62,20 @@ def particle_kernels(kit: Kit) -> SimpleNamespace:
         above = ivec()
         upper = vec()
         for m in range(d):
+            y = (positions[i][m] - low[m]) / width[m]
+            if wraps[m] == 1:
+                y -= real(dims[m]) * wp.floor(y / real(dims[m]))
             # beyond the grid: in the cell at its edge
-            y = wp.clamp((positions[i][m] - low[m]) / width, real(0.0), real(dims[m]))
+            y = wp.clamp(y, real(0.0), real(dims[m]))
             half[m] = wp.clamp(wp.int32(real(2.0) * y), 0, 2 * dims[m] - 1)
             cell[m] = half[m] // 2
             above[m] = (half[m] + 1) // 2
             upper[m] = wp.clamp(y + real(0.5) - real(above[m]), real(0.0), real(1.0))
-            if above[m] == 0:
+            if wraps[m] == 1:
+                above[m] = above[m] % dims[m]
+            elif above[m] == 0:
                 upper[m] = real(1.0)
-            if above[m] == dims[m]:
+            elif above[m] == dims[m]:
                 upper[m] = real(0.0)
         weight = shares()
         for k in range(corners):
@@ -81,7 +88,7 @@ def particle_kernels(kit: Kit) -> SimpleNamespace:
                     product *= real64(1.0) - real64(upper[m])
             weight[k] = product
         bin_out[i] = flat(half, 2 * dims)
-        between_out[i] = flat(above, dims + ivec(1))
+        between_out[i] = flat(above, dims + ivec(1) - wraps)
         cell_out[i] = cell
         weight_out[i] = weight
 
@@ -104,6 +111,7 @@ def particle_kernels(kit: Kit) -> SimpleNamespace:
     def gather(
         # Model:
         dims: ivec,
+        wraps: ivec,
         scale: wp.float64,
         # Matrix:
         first: counts,
@@ -134,11 +142,11 @@ def particle_kernels(kit: Kit) -> SimpleNamespace:
                 for entry in range(first[i], first[i] + count[i]):
                     there = cell[index[entry]]
                     v = real64(value[entry])
-                    to = slot(there - here)
+                    to = slot(nearest(there - here, dims, wraps))
                     if to >= 0:
                         sums[to] += v
                     elif there[0] >= 0:
-                        # across a periodic boundary, perhaps
+                        # farther away than the width of a cell
                         excess -= v
         for s in range(around):
             excess -= sums[s]
@@ -183,6 +191,7 @@ def particle_kernels(kit: Kit) -> SimpleNamespace:
     def collect_particles(
         # Model:
         dims: ivec,
+        wraps: ivec,
         # State in:
         start: counts,
         order: counts,
@@ -193,15 +202,11 @@ def particle_kernels(kit: Kit) -> SimpleNamespace:
     ):
         """Residuals of the unknowns between the same 2^d cell centres, weighted for each of these cells."""
         t = wp.tid()
-        above = unflat(t, dims + ivec(1))
+        above = unflat(t, dims + ivec(1) - wraps)
         total = shares()
         for k in range(corners):
-            half = 2 * above - ivec(1) + corner(k)
-            inside = wp.int32(1)
-            for m in range(d):
-                if half[m] < 0 or half[m] >= 2 * dims[m]:
-                    inside = 0
-            if inside == 1:
+            half = wrapped(2 * above - ivec(1) + corner(k), 2 * dims, wraps)
+            if inside(half, 2 * dims):
                 bin = flat(half, 2 * dims)
                 for place in range(start[bin], start[bin + 1]):
                     i = order[place]
@@ -212,6 +217,7 @@ def particle_kernels(kit: Kit) -> SimpleNamespace:
     def collect_corners(
         # Model:
         dims: ivec,
+        wraps: ivec,
         # State in:
         diagonal: numbers,
         corner_sums: wp.array(dtype=shares),
@@ -223,8 +229,9 @@ def particle_kernels(kit: Kit) -> SimpleNamespace:
         c = wp.tid()
         here = unflat(c, dims)
         total = real64(0.0)
+        boxes = dims + ivec(1) - wraps
         for k in range(corners):
-            total += corner_sums[flat(here + ivec(1) - corner(k), dims + ivec(1))][k]
+            total += corner_sums[flat(wrapped(here + ivec(1) - corner(k), boxes, wraps), boxes)][k]
         r_out[c] = total
         e = real64(0.0)
         if diagonal[c] > real64(0.0):
@@ -232,13 +239,13 @@ def particle_kernels(kit: Kit) -> SimpleNamespace:
         e_out[c] = e
 
     @kit.kernel(METHOD)
-    def spread(dims: ivec, e: numbers, corner_out: wp.array(dtype=shares)):
+    def spread(dims: ivec, wraps: ivec, e: numbers, corner_out: wp.array(dtype=shares)):
         """Values of the 2^d cells around each box between centres; a cell beyond the edge has weight 0."""
         t = wp.tid()
-        above = unflat(t, dims + ivec(1))
+        above = unflat(t, dims + ivec(1) - wraps)
         values = shares()
         for k in range(corners):
-            cell = above - ivec(1) + corner(k)
+            cell = wrapped(above - ivec(1) + corner(k), dims, wraps)
             for m in range(d):
                 cell[m] = wp.clamp(cell[m], 0, dims[m] - 1)
             values[k] = e[flat(cell, dims)]

@@ -116,10 +116,12 @@ class Fluids(FluidFailures):
             singular=zeros(1, wp.int32),
         )  # fmt: skip
         self._rhs = zeros(m, wp.float64)
-        x = self._particles.positions
+        x, periodic = self._particles.positions, scene.flow.periodic
+        wraps = np.isin(np.arange(self._d), periodic)
         preconditioner = Multilevel(
-            self.state.x[self._walls :], low=np.maximum(x.min(axis=0), self._low),
-            high=np.minimum(x.max(axis=0), self._high), reach=self.operators.radius, kit=kit, device=device,
+            self.state.x[self._walls :], low=np.where(wraps, self._low, np.maximum(x.min(axis=0), self._low)),
+            high=np.where(wraps, self._high, np.minimum(x.max(axis=0), self._high)),
+            reach=self.operators.radius, kit=kit, device=device, periodic=periodic,
         )  # fmt: skip
         self._solver = ConjugateGradient(
             m, kit=kit, device=device, tolerance=tolerance, max_iterations=MAX_ITERATIONS, preconditioner=preconditioner
