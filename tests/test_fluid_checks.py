@@ -89,7 +89,7 @@ BROKEN: list[tuple[str, str, str, dict[str, Any]]] = [
     (
         "/World/floor",
         "spacing",
-        "is 0.0201 m, must be that of the fluid /World/water, 0.02 m",
+        "is 0.0201 m, must be that of /World/water, 0.02 m",
         {"walls": (replace(FLOOR, spacing=0.0201),)},
     ),
     ("/World", "flow.scheme", "must be one of: conservative", flow(scheme="upwind")),

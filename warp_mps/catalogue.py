@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 import os
 from pathlib import Path
 
@@ -36,5 +37,7 @@ def find_case(case: str) -> Path:
         return path
     shipped = shipped_cases()
     if case not in shipped:
-        raise InputError(case, "", f"is neither a file nor a shipped case; shipped: {', '.join(shipped)}")
+        meant = "".join(f"; did you mean {name}?" for name in difflib.get_close_matches(case, shipped, n=1))
+        there = "is a folder" if path.is_dir() else "is neither a file nor a shipped case"
+        raise InputError(case, "", f"{there}; give the path of a stage or a name of `warp-mps list`{meant}")
     return shipped[case]

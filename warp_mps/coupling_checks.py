@@ -29,7 +29,7 @@ def check_coupling(scene: Scene) -> None:
     for body in scene.bodies:
         ratio = fluid.spacing / body.spacing
         good = round(ratio) >= 1 and abs(ratio - round(ratio)) <= SAME * ratio
-        other = f"the fluid {place(fluid, 'fluid')}, {fluid.spacing:g} m"
+        other = f"{place(fluid, 'fluid')}, {fluid.spacing:g} m"
         reason = f"is {body.spacing:g} m, must be that of {other}, or a whole part of it"
         require(good, place(body, "body"), "spacing", reason)
 

@@ -13,7 +13,7 @@ import numpy as np
 from warp_mps import scene as sc
 from warp_mps.coupling_checks import remarks_on_bodies
 from warp_mps.fluid.operators import SKIN
-from warp_mps.requirements import SAME, choice, in_range, place, positive, require, vector
+from warp_mps.requirements import SAME, choice, in_range, named, place, positive, require, vector
 from warp_mps.shapes import Box
 
 if TYPE_CHECKING:
@@ -100,7 +100,7 @@ def check_probed_fluid(probe: Probe, scene: Scene, where: str) -> None:
     good = is_in_fluid(probe, scene) and probe.point is not None
     require(good, where, "moves_with", "is for a point in a scene of fluids")
     known = [wall.name for wall in scene.walls]
-    require(probe.moves_with in known, where, "moves_with", f"names no wall: {probe.moves_with!r}")
+    named(probe.moves_with, known, where, "moves_with", "wall")
 
 
 def check_velocity_field(field: VelocityField, scene: Scene, where: str) -> None:
@@ -192,7 +192,7 @@ def _alike(scene: Scene) -> None:
             reason = f"is {own:g} {unit} and that of {one} {that:g} {unit}; all fluids must be of one liquid"
             require(own == that, other, name, reason)
     for wall in scene.walls:
-        reason = f"is {wall.spacing:g} m, must be that of the fluid {one}, {first.spacing:g} m"
+        reason = f"is {wall.spacing:g} m, must be that of {one}, {first.spacing:g} m"
         require(_same_spacing(wall.spacing, first), place(wall, "wall"), "spacing", reason)
 
 

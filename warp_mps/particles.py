@@ -299,6 +299,8 @@ def _refuse_overlap(scene: Scene, particles: Particles) -> None:
         if bad.any():
             at = ", ".join(f"{c:.6g}" for c in positions[np.argmax(bad)])
             reason = f"overlaps {place(other, kind_of(other))} at ({at}) m; bodies may touch but not share space"
+            if Fluid in (type(one), type(other)):
+                reason += "; a fluid about something is made of several that leave it out"
             raise InputError(place(one, kind_of(one)), "shape", reason)
 
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from warp_mps import scene as sc
 from warp_mps.components import component_names
 from warp_mps.fluid_checks import check_probed_fluid, probe_quantities
-from warp_mps.requirements import choice, place, positive, require, vector
+from warp_mps.requirements import choice, named, place, positive, require, vector
 
 if TYPE_CHECKING:
     from warp_mps.scene import Measurement, Probe, Scene
@@ -38,8 +38,7 @@ def check_probe(scene: Scene, probe: Probe) -> None:
         names_of_bodies((probe.body,), scene, where, "target")
     check_probed_fluid(probe, scene, where)
     if probe.support is not None:
-        known = [support.name for support in scene.supports]
-        require(probe.support in known, where, "target", f"names no support: {probe.support!r}")
+        named(probe.support, [support.name for support in scene.supports], where, "target", "support")
 
 
 def check_measurement(scene: Scene, measurement: Measurement) -> None:
@@ -51,7 +50,7 @@ def check_measurement(scene: Scene, measurement: Measurement) -> None:
     where = place(measurement, "measurement")
     choice(measurement.measure, sc.MEASURES, where, "measure")
     known = {probe.name: probe for probe in scene.probes}
-    require(measurement.probe in known, where, "probe", f"names no probe: {measurement.probe!r}")
+    named(measurement.probe, list(known), where, "probe", "probe")
     own = sc.PROBE_UNITS[known[measurement.probe].quantity][scene.dimension - 2]
     choice(measurement.unit, ("", *sc.MEASURE_UNITS.get(measurement.measure, (own,))), where, "unit")
     names = component_names(known[measurement.probe].quantity, scene.frame.axes)
@@ -76,6 +75,12 @@ def check_measurement(scene: Scene, measurement: Measurement) -> None:
         require(math.isfinite(measurement.reference), where, "reference", "must be finite")
 
 
+def is_past(measurement: Measurement, end: float) -> bool:
+    """Whether a measurement looks at what lies after a time [s]."""
+    late = measurement.measure == "value_at" and measurement.at is not None and measurement.at > end
+    return late or measurement.start >= end
+
+
 def names_of_bodies(names: Iterable[str], scene: Scene, where: str, attribute: str) -> None:
     """Refuse names that are of no elastic body.
 
@@ -84,4 +89,4 @@ def names_of_bodies(names: Iterable[str], scene: Scene, where: str, attribute: s
     """
     known = [body.name for body in scene.bodies]
     for name in names:
-        require(name in known, where, attribute, f"names no body: {name!r}")
+        named(name, known, where, attribute, "body")

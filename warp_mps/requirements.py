@@ -80,6 +80,16 @@ def choice(value: str, choices: Sequence[str], where: str, attribute: str) -> No
     require(value in choices, where, attribute, f"is {value!r}, must be one of: {', '.join(choices)}")
 
 
+def named(name: str, known: Sequence[str], where: str, attribute: str, kind: str) -> None:
+    """Refuse a name that nothing of a kind has, and say which there are.
+
+    Raises:
+        InputError: There is no such name.
+    """
+    there = f"there are {', '.join(known)}" if known else "there is none"
+    require(name in known, where, attribute, f"names no {kind}: {name!r}; {there}")
+
+
 def vector(value: Sequence[float] | np.ndarray, size: int, where: str, attribute: str) -> None:
     """Refuse what is not so many finite numbers.
 

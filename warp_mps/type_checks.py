@@ -33,8 +33,7 @@ def check_types(record: Any, where: str, prefix: str = "") -> None:
     for name, hint in _hints(record.__class__).items():
         value = getattr(record, name)
         if not _fits(value, hint):
-            shown = repr(value) if len(repr(value)) < 40 else f"a {type(value).__name__}"
-            raise InputError(where, prefix + name, f"is {shown}, must be {_wording(hint)}")
+            raise InputError(where, prefix + name, f"is {_shown(value)}, must be {_wording(hint)}")
         items = value if isinstance(value, tuple | list) else [value]
         item: Any
         for item in items:
@@ -75,6 +74,14 @@ def _are_numbers(value: Any) -> bool:
         return np.ndim(np.asarray(value, float)) > 0 and not isinstance(value, str)
     except (TypeError, ValueError):
         return False
+
+
+def _shown(value: Any) -> str:
+    """A value, or what it is and holds where it is long."""
+    if len(repr(value)) < 40:
+        return repr(value)
+    kinds = {type(item).__name__: None for item in value} if isinstance(value, tuple | list) else {}
+    return f"a {type(value).__name__}{' of ' if kinds else ''}{' and '.join(kinds)}"
 
 
 def _wording(hint: Any) -> str:

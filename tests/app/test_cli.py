@@ -97,6 +97,15 @@ def test_fluids_are_checked_and_run(tmp_path: Path, capsys: pytest.CaptureFixtur
     assert read_history(out / "probes.csv").probe("drop")[-1] == pytest.approx(0.01, rel=0.02)
 
 
+def test_a_shorter_run_leaves_out_what_comes_later(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["check", "dam_break_elastic_gate", "--duration", "0.1"]) == 0
+    line = capsys.readouterr().err
+    assert line.startswith("warp-mps: not measured, for it comes after 0.1 s: shift at 0.12 s, shift at 0.20 s")
+    assert "0.08" not in line
+    assert main(["check", "dam_break_elastic_gate", "--duration", "0.4"]) == 0
+    assert capsys.readouterr().err == ""
+
+
 def test_run_leaves_its_results(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     out = tmp_path / "out"
     stage = str(write(tmp_path, Scene=("double mps:duration = 1e-3", "double mps:frameRate = 5000"), **SHAKEN))

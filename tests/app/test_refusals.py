@@ -70,9 +70,9 @@ def test_a_stage_without_a_scene_or_without_anything(tmp_path: Path, capsys: pyt
 
 def test_files_that_are_no_stages(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert "there is no such file" in refusal(capsys, "run", str(tmp_path / "none.usda"))
-    assert "is neither a file nor a shipped case; shipped: bar_struck_by_wall, beam_first_mode" in refusal(
-        capsys, "check", "none"
-    )
+    assert "is neither a file nor a shipped case; give the path" in refusal(capsys, "check", "none")
+    assert "; did you mean dam_break?" in refusal(capsys, "check", "dam_brake")
+    assert "is a folder; give the path of a stage" in refusal(capsys, "check", str(tmp_path))
     text = tmp_path / "text.usda"
     text.write_text("not a stage")
     assert "is not a USD stage" in refusal(capsys, "run", str(text))
@@ -100,6 +100,9 @@ def test_output_folders_that_cannot_be_used(tmp_path: Path, capsys: pytest.Captu
         (("--set", "spacing=1"), "must be /Prim.attribute=value"),
         (("--set", "/Beam.mps:spacing=thin"), "/Beam mps:spacing: 'thin' is not of type double"),
         (("--set", "/Nobody.mps:spacing=1"), "/Nobody"),
+        (("--set", "/Beam.mps:spacin=1"), "/Beam mps:spacin: cannot be set: there is no such attribute; did you mean"),
+        (("--set", "/Scene.mps:outputs=stress"), '\'stress\' is not of type token[], such as ["a", "b"]'),
+        (("--set", "/Scene.physics:gravityDirection=1,0"), "is not of type vector3f, such as (1, 0, 0)"),
         (("--device", "cuda:99"), "device: 'cuda:99' is not available, must be one of: cpu"),
         (("--device", "gpu"), "device: 'gpu' is not available, must be one of: cpu"),
         (("--threads", "0"), "threads: is 0, must be 1 or more"),
@@ -122,7 +125,9 @@ def test_options_that_mean_nothing(
         (("nothing",), "Unrecognized options: nothing"),
         ((), "Expected one of {list, check, run"),
         (("check",), "Missing from warp-mps check: CASE"),
-        (("check", "beam_first_mode", "--duration", "a"), "--duration"),
+        (("check", "beam_first_mode", "--duration", "a"), "--duration: is 'a', must be a number;"),
+        (("run", "beam_first_mode", "--threads", "a"), "--threads: is 'a', must be a whole number;"),
+        (("picture", "DIR", "--size", "a", "2"), "--size: is 'a' '2', must be 2 whole numbers;"),
         (("run", "beam_first_mode", "--precison", "float32"), "did you mean --precision?"),
         (("run", "beam_first_mode", "--threads"), "Missing value for argument '--threads'"),
         (("convert", "DIR", "--to", "nonsense"), "'nonsense' for argument '--to'. Expected one of ('pvd'"),
@@ -132,7 +137,7 @@ def test_command_lines_that_cannot_be_understood(
     capsys: pytest.CaptureFixture[str], arguments: tuple[str, ...], expected: str
 ) -> None:
     line = refusal(capsys, *arguments)
-    assert re.match("warp-mps: [A-Za-z]", line)
+    assert re.match("warp-mps: (--)?[A-Za-z]", line)
     assert expected in line
     assert not re.search("----|\u2500|\u2502", line)
     assert line.endswith("; see warp-mps --help\n")

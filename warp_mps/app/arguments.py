@@ -17,6 +17,11 @@ from warp_mps.errors import InputError
 # how Tyro frames its messages, and parts their sections
 _FRAME = "\u2500\u2502\u256d\u256e\u2570\u256f"
 _HINT = "Perhaps you meant: "
+# how it says that a value is of another type: one of several words, or one
+_UNFIT = re.compile(r"Error parsing (\S+): no type matching \{None\}\|\{?([A-Z ]+)\}? could .* from \[(.*)\]")
+_NO_NUMBER = re.compile(r"Error parsing (\S+): (?:invalid literal for int|could not convert string).*?: '(.*)'")
+    r"Error parsing (\S+): (?:invalid literal for int|could not convert string to float).*?: '(.*)'"
+)
 
 
 def parse(commands: Mapping[str, Callable[..., int]], arguments: Sequence[str]) -> Callable[[], int]:
@@ -62,7 +67,20 @@ def _one_line(message: str) -> str:
     sections = [" ".join(part.split()) for part in _sections(message)]
     hints = [section.removeprefix(_HINT).split()[0] for section in sections if section.startswith(_HINT)]
     says = sections[0] if sections else "the command line cannot be understood"
-    return "; ".join([says.rstrip("."), *(f"did you mean {hint}?" for hint in hints), "see warp-mps --help"])
+    return "; ".join([_plainly(says).rstrip("."), *(f"did you mean {hint}?" for hint in hints), "see warp-mps --help"])
+
+
+def _plainly(message: str) -> str:
+    """What a value is and must be, where a message names types instead."""
+    if unfit := _UNFIT.match(message):
+        option, kinds, given = unfit.group(1), unfit.group(2).split(), unfit.group(3)
+        whole, count = "whole " * (kinds[0] == "INT"), len(kinds)
+        wanted = f"a {whole}number" if count == 1 else f"{count} {whole}numbers"
+        return f"{option}: is {given.replace(',', '')}, must be {wanted}"
+    if number := _NO_NUMBER.match(message):
+        whole = "whole " * ("for int" in message)
+        return f"{number.group(1)}: is '{number.group(2)}', must be a {whole}number"
+    return message
 
 
 def _sections(message: str) -> list[str]:

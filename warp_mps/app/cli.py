@@ -170,14 +170,26 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _read(case: str, changes: Sequence[str], duration: float | None, *, allow_external: bool) -> Any:
     """The scene of a case, changed as the user wishes."""
-    from dataclasses import replace
-
     from warp_mps.catalogue import find_case
     from warp_mps.usd.read import read_stage
 
     overrides = dict(_parse_change(change) for change in changes)
     scene = read_stage(find_case(case), overrides=overrides, allow_external=allow_external)
-    return scene if duration is None else replace(scene, duration=duration)
+    return scene if duration is None else _lasting(scene, duration)
+
+
+def _lasting(scene: Any, duration: float) -> Any:
+    """A scene that lasts so long [s], without the measurements of what comes later, which a line then names."""
+    from dataclasses import replace
+
+    from warp_mps.record_checks import is_past
+
+    kept = [item for item in scene.measurements if not is_past(item, duration)]
+    shortened = replace(scene, duration=duration, measurements=tuple(kept))
+    left_out = [item.name for item in scene.measurements if item not in kept]
+    if left_out:
+        _say(f"not measured, for it comes after {duration:g} s: {', '.join(left_out)}")
+    return shortened
 
 
 def _parse_change(change: str) -> tuple[str, str]:
@@ -188,5 +200,9 @@ def _parse_change(change: str) -> tuple[str, str]:
 
 
 def _fail(message: str, code: int) -> int:
-    print(f"warp-mps: {message}", file=sys.stderr)
+    _say(message)
     return code
+
+
+def _say(message: str) -> None:
+    print(f"warp-mps: {message}", file=sys.stderr)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 import json
 import os
 from collections.abc import Iterator, Mapping
@@ -17,6 +18,9 @@ from warp_mps.usd.layers import check_layers, reason_of
 
 # The attributes that belong to any role; their types are those of the table, or this one.
 _EXTRA_TYPES = {ROLE: "token"}
+# how values of the types are written that are no single word or number, by the end of a type's name
+_NOTATIONS = {"token[]": '["a", "b"]', "3[]": "[(1, 0, 0)]", "3f[]": "[(1, 0, 0)]", "[]": "[0, 1]"}
+_NOTATIONS |= dict.fromkeys(("3", "3f", "3d"), "(1, 0, 0)")
 
 
 @contextmanager
@@ -89,7 +93,9 @@ def _kind(prim: Usd.Prim, name: str) -> str:
     kinds = [rows[name].kind for rows in TABLE.values() if name in rows]
     kind = kinds[0] if kinds else _EXTRA_TYPES.get(name)
     if kind is None:
-        raise InputError(str(prim.GetPath()), name, "cannot be set: there is no such attribute")
+        known = [*_EXTRA_TYPES, *(word for rows in TABLE.values() for word in rows)]
+        meant = "".join(f"; did you mean {word}?" for word in difflib.get_close_matches(name, known, n=1))
+        raise InputError(str(prim.GetPath()), name, f"cannot be set: there is no such attribute{meant}")
     return kind
 
 
@@ -112,5 +118,6 @@ def _parse(prim_path: str, name: str, kind: str, text: str) -> object:
         good = False
     attribute = layer.GetAttributeAtPath("/x.a") if good else None
     if attribute is None or attribute.default is None:
-        raise InputError(prim_path, name, f"{text!r} is not of type {kind}")
+        example = next((f", such as {shown}" for ending, shown in _NOTATIONS.items() if kind.endswith(ending)), "")
+        raise InputError(prim_path, name, f"{text!r} is not of type {kind}{example}")
     return attribute.default
