@@ -38,6 +38,6 @@ def find_case(case: str) -> Path:
     shipped = shipped_cases()
     if case not in shipped:
         meant = "".join(f"; did you mean {name}?" for name in difflib.get_close_matches(case, shipped, n=1))
-        there = "is a folder" if path.is_dir() else "is neither a file nor a shipped case"
-        raise InputError(case, "", f"{there}; give the path of a stage or a name of `warp-mps list`{meant}")
+        found = "is a folder" if path.is_dir() else "is neither a file nor a shipped case"
+        raise InputError(case, "", f"{found}; give the path of a stage or a name of `warp-mps list`{meant}")
     return shipped[case]

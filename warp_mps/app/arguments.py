@@ -20,8 +20,6 @@ _HINT = "Perhaps you meant: "
 # how it says that a value is of another type: one of several words, or one
 _UNFIT = re.compile(r"Error parsing (\S+): no type matching \{None\}\|\{?([A-Z ]+)\}? could .* from \[(.*)\]")
 _NO_NUMBER = re.compile(r"Error parsing (\S+): (?:invalid literal for int|could not convert string).*?: '(.*)'")
-    r"Error parsing (\S+): (?:invalid literal for int|could not convert string to float).*?: '(.*)'"
-)
 
 
 def parse(commands: Mapping[str, Callable[..., int]], arguments: Sequence[str]) -> Callable[[], int]:
