@@ -11,8 +11,10 @@ from PIL import Image
 from tests.app.results import SPACE, write_result
 from tests.scenes import RUBBER
 from warp_mps.app.cli import main
-from warp_mps.app.colours import WALL, choose, choose_second, usual_range
+from warp_mps.app.colours import WALL, choose, choose_both, usual_range
 from warp_mps.app.picture import Look, Painter, find_frame
+from warp_mps.app.report.frames import make_frames
+from warp_mps.app.report.quantities import quantities
 from warp_mps.app.result import Animation
 from warp_mps.app.video import pace
 from warp_mps.particles import fill_scene
@@ -70,8 +72,8 @@ def test_particles_are_where_the_camera_has_them_in_the_colours_of_their_values(
     painter = Painter(animation, Look(size=(720, 480)))
     image, seen = painter.draw(2) / 255.0, painter._spheres(2)
     middles = (seen.centres / 2.0).astype(int)
-    assert painter.colouring.name == "von_mises"
-    colors = np.concatenate([painter.colouring.colors(animation, cloud, 2) for cloud in (0, 1)])
+    assert painter.colourings[0].name == "von_mises"
+    colors = np.concatenate([painter.colourings[0].colors(animation, cloud, 2) for cloud in (0, 1)])
     for (column, row), color in zip(middles, colors, strict=True):
         # light changes how bright a particle is, not its hue
         found = image[row, column] - image[row, column].min()
@@ -147,7 +149,8 @@ def test_labels_have_units(plane: Path) -> None:
     assert (beyond.below, beyond.above) == (True, True)
 
 
-def test_in_coupled_runs_water_has_its_pressure_and_bodies_their_stress(tmp_path: Path) -> None:
+@pytest.fixture
+def coupled(tmp_path: Path) -> Animation:
     water = Fluid(name="water", shape=Box((0.2, 0.2), center=(1.0, 0.0)), spacing=0.1)
     block = Body(name="block", shape=Box((0.2, 0.2)), material=RUBBER, spacing=0.1)
     scene = Scene(bodies=(block,), fluids=(water,), gravity=(0.0, -9.81), duration=1.0)
@@ -158,20 +161,38 @@ def test_in_coupled_runs_water_has_its_pressure_and_bodies_their_stress(tmp_path
     values = np.array([1e6] * 4 + [300.0, 200.0, 400.0, 0.0])
     writer.write(0.0, particles.positions, particles.velocities, pressure=values, von_mises=values)
     writer.close()
-    animation = Animation(tmp_path)
-    colouring = choose(animation)
+    return Animation(tmp_path)
+
+
+def test_outputs_are_of_bodies(coupled: Animation) -> None:
+    assert [cloud.scalars for cloud in coupled.clouds] == [("pressure", "von_mises"), ("pressure",)]
+    names = [set(quantities(coupled, cloud, 0, axes="xy")) for cloud in (0, 1)]
+    assert names == [{"speed", "displacement", "von_mises", "pressure in bodies"}, {"speed", "pressure"}]
+    facts = make_frames(coupled).facts
+    assert facts["first"] == "pressure"
+    assert {item["name"]: item["greatest"] for item in facts["quantities"]}["pressure"] == 400.0
+
+
+def test_in_coupled_runs_water_has_its_pressure_and_bodies_their_stress(coupled: Animation) -> None:
+    animation, colouring = coupled, choose(coupled)
     assert (colouring.name, colouring.low, colouring.high) == ("pressure", 0.0, 400.0)
     assert np.array_equal(colouring.colors(animation, 0, 0), np.tile(animation.clouds[0].color, (4, 1)))
     assert len(np.unique(colouring.colors(animation, 1, 0), axis=0)) == 4
-    second = choose_second(animation, colouring)
-    assert second is not None
-    assert (second.name, second.low, second.high) == ("von_mises", 0.0, 1e6)
-    assert second.colormap is not colouring.colormap
-    both, alone = Painter(animation), Painter(animation, Look(colour="pressure"))
-    assert np.array_equal(both._colors(0, 0), second.colors(animation, 0, 0))
-    assert np.array_equal(both._colors(1, 0), colouring.colors(animation, 1, 0))
-    assert np.array_equal(alone._colors(0, 0), colouring.colors(animation, 0, 0))
-    assert not np.array_equal(both.draw(0)[:, -100:], alone.draw(0)[:, -100:])
+    water, bodies = choose_both(animation)
+    assert water == colouring
+    assert (bodies.name, bodies.low, bodies.high) == ("von_mises", 0.0, 1e6)
+    assert (water.label, bodies.label) == ("pressure, fluid [Pa]", "von Mises stress, bodies [kPa]")
+    assert bodies.colormap is not water.colormap
+    both = Painter(animation)
+    assert np.array_equal(both._colors(0, 0), bodies.colors(animation, 0, 0))
+    assert np.array_equal(both._colors(1, 0), water.colors(animation, 1, 0))
+    # whichever of the two is asked for, the limits are its own
+    for name, own in (("pressure", 0), ("von_mises", 1)):
+        found = choose_both(animation, name, (1.0, 2.0))
+        assert [item.name for item in found] == ["pressure", "von_mises"]
+        assert (found[own].low, found[own].high) == (1.0, 2.0)
+        assert found[1 - own] == (water, bodies)[1 - own]
+    assert [item.label for item in choose_both(animation, "speed")] == ["speed [m/s]"]
 
 
 def test_find_frame(plane: Path) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import matplotlib as mpl
 import numpy as np
@@ -37,7 +37,7 @@ class Colouring:
         high: Value of the last colour [SI units].
         below: Whether there are lower values.
         above: Whether there are higher values.
-        second: Whether it stands beside another one, and takes other colours.
+        of: ``fluid`` or ``bodies`` where it is theirs alone in a run of both; that of bodies takes other colours.
     """
 
     name: str
@@ -45,14 +45,14 @@ class Colouring:
     high: float = 1.0
     below: bool = False
     above: bool = False
-    second: bool = False
+    of: str = ""
 
     @property
     def colormap(self) -> Colormap:
         """The colours from the low end to the high one."""
         if self.low < 0.0 < self.high:
             return DIVERGING
-        return SECOND if self.second else SEQUENTIAL
+        return SECOND if self.of == "bodies" else SEQUENTIAL
 
     @property
     def prefix(self) -> tuple[float, str]:
@@ -64,8 +64,9 @@ class Colouring:
 
     @property
     def label(self) -> str:
-        """What the values are, with their unit."""
-        return f"{NAMES.get(self.name, self.name)} [{self.prefix[1]}{UNITS.get(self.name, 'm/s')}]"
+        """What the values are and whose, with their unit."""
+        whose = f", {self.of}" if self.of else ""
+        return f"{NAMES.get(self.name, self.name)}{whose} [{self.prefix[1]}{UNITS.get(self.name, 'm/s')}]"
 
     def colors(self, animation: Animation, cloud: int, frame: int) -> np.ndarray:
         """Colours of a cloud, from 0 to 1 as a screen shows them, shape [n, 3]."""
@@ -76,6 +77,9 @@ class Colouring:
             return np.tile(WALL if item.role == "wall" else item.color, (len(item.ids), 1))
         share = (values(animation, cloud, frame, self.name) - self.low) / (self.high - self.low)
         return np.asarray(self.colormap(np.clip(share, 0.0, 1.0))[:, :3])
+
+
+Colourings = tuple[Colouring, ...]
 
 
 def choose(animation: Animation, name: str | None = None, limits: tuple[float, float] | None = None) -> Colouring:
@@ -105,26 +109,42 @@ def choose(animation: Animation, name: str | None = None, limits: tuple[float, f
     everything = np.concatenate([*found, np.zeros(0)])
     everything = everything[np.isfinite(everything)] if np.isfinite(everything).any() else np.zeros(1)
     low, high = limits or usual_range(everything)
-    return Colouring(name, low, high, bool(everything.min() < low), bool(everything.max() > high))
+    return Colouring(
+        name, low, high, bool(everything.min() < low), bool(everything.max() > high), whose(animation, name)
+    )
 
 
-def choose_second(animation: Animation, first: Colouring) -> Colouring | None:
-    """The von Mises stress of bodies, beside the pressure of the water about them."""
-    bodies = [cloud for cloud in animation.clouds if cloud.role == "body" and "von_mises" in cloud.scalars]
-    if first.name != "pressure" or not bodies or not _has_fluid(animation):
-        return None
-    return replace(choose(animation, "von_mises"), second=True)
+def choose_both(animation: Animation, name: str | None = None, limits: tuple[float, float] | None = None) -> Colourings:
+    """What to colour by, fluids first: beside a quantity of one side, in runs of both, also one of the other.
+
+    The pressure of the fluid stands beside what is chosen of bodies, and their von Mises stress, if the run has it,
+    beside the pressure of the fluid. Arguments and errors are those of :func:`choose`; limits are of what is chosen.
+    """
+    chosen = choose(animation, name, limits)
+    if chosen.of == "bodies":
+        return choose(animation, "pressure"), chosen
+    stressed = any(cloud.role == "body" and "von_mises" in cloud.scalars for cloud in animation.clouds)
+    return (chosen, choose(animation, "von_mises")) if chosen.of == "fluid" and stressed else (chosen,)
+
+
+def whose(animation: Animation, name: str) -> str:
+    """Whose a quantity is in a run of fluids and bodies: ``fluid``, ``bodies``, or empty where it is of both.
+
+    The pressure is that of the fluid, for in bodies it is another thing, and often of another size.
+    """
+    if {"fluid", "body"} - {cloud.role for cloud in animation.clouds} or name in ("body", "speed"):
+        return ""
+    return "fluid" if name == "pressure" else "bodies"
 
 
 def colourable(animation: Animation, cloud: int, name: str) -> bool:
     """Whether the particles of a cloud are coloured by a quantity.
 
-    Walls are the background, and stay grey. Where there are fluids, the pressure is theirs, for that in bodies is
-    another thing, and often another size; the von Mises stress is that of bodies.
+    Walls are the background, and stay grey.
     """
     item = animation.clouds[cloud]
-    others = {"pressure": "body", "von_mises": "fluid"}
-    if item.role == "wall" or (others.get(name) == item.role and _has_fluid(animation)):
+    others = {"fluid": "body", "bodies": "fluid"}
+    if item.role in ("wall", others.get(whose(animation, name))):
         return False
     return name == "speed" or name in item.scalars
 

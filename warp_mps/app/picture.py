@@ -11,7 +11,7 @@ import numpy as np
 
 from warp_mps.app import figures
 from warp_mps.app.camera import frame_points
-from warp_mps.app.colours import choose, choose_second, colourable
+from warp_mps.app.colours import choose_both, colourable
 from warp_mps.app.result import Animation, refuse_existing
 from warp_mps.app.sheet import SMALLEST, Sheet, field, suitable_size
 from warp_mps.app.splat import Spheres, Surface, nearest, obscurance, shade
@@ -64,8 +64,7 @@ class Painter:
 
     def __init__(self, animation: Animation, look: Look = AS_SUITS) -> None:
         self.animation = animation
-        self.colouring = choose(animation, look.colour, look.limits)
-        self._second = choose_second(animation, self.colouring) if look.colour is None else None
+        self.colourings = choose_both(animation, look.colour, look.limits)
         self._frames = animation.some_frames()
         points, widths = self._everywhere()
         axes, self._flat = _axes(points, animation.up_axis, look.view)
@@ -97,10 +96,8 @@ class Painter:
 
     def _colors(self, cloud: int, frame: int) -> np.ndarray:
         """Colours of a cloud, shape [n, 3]."""
-        colouring = self.colouring
-        if self._second and colourable(self.animation, cloud, self._second.name):
-            colouring = self._second
-        return colouring.colors(self.animation, cloud, frame)
+        own = [item for item in self.colourings if colourable(self.animation, cloud, item.name)]
+        return [*own, self.colourings[0]][0].colors(self.animation, cloud, frame)
 
     def _layer(
         self, spheres: Spheres, kept: np.ndarray, colors: np.ndarray, width: int, height: int
@@ -179,8 +176,7 @@ class Painter:
         # a view from near has no one scale
         meters = self.animation.meters_per_unit * FINE / self.camera.scale if self._flat else None
         names = {cloud.name: tuple(cloud.color) for cloud in clouds}
-        colourings = [self.colouring] if self._second is None else [self.colouring, self._second]
-        return Sheet(self.size, colourings, names, meters)
+        return Sheet(self.size, self.colourings, names, meters)
 
 
 def draw_picture(

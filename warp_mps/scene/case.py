@@ -34,7 +34,7 @@ class Scene:
         contact: Contact between bodies.
         flow: How fluids are computed.
         damping: Mass-proportional damping: force -damping * m * v, and likewise a torque where particles rotate [1/s].
-        outputs: What frames hold beside positions, velocities and pressure, names of `OUTPUTS`.
+        outputs: What frames of bodies hold beside positions, velocities and pressure, names of `OUTPUTS`.
         frame_rate: Saved frames per simulated second [1/s].
         sample_rate: Rows of probes.csv per simulated second, a multiple of `frame_rate` [1/s]; None is `frame_rate`.
         time_step: Time step [s]; None derives it from `courant`. Frames and rows then come every so many whole steps,

@@ -14,6 +14,7 @@ from pxr import Sdf, Tf, Usd, UsdGeom, UsdPhysics, Vt
 
 from warp_mps.errors import InputError, RunError
 from warp_mps.particles import Particles
+from warp_mps.scene import OUTPUTS
 from warp_mps.usd.cutaway import walls_in_the_way
 from warp_mps.usd.scenery import Scenery, paint
 
@@ -57,6 +58,7 @@ class PointsFile:
         self._stage = Usd.Stage.Open(str(path))
         self._content, self._saves = path.stat().st_size, 0
         self._ranges = [(int(first), int(last)) for first, last in particles.ranges]
+        self._elastic = particles.elastic_bodies
         self._widths = [_width(particles, bounds, frame) for bounds in self._ranges]
         self._scenery = Scenery(self._stage, frame)
         self._points = [UsdGeom.Points(self._stage.GetPrimAtPath(f"{ROOT}/{name}")) for name in particles.names]
@@ -82,13 +84,17 @@ class PointsFile:
         self._stage.GetRootLayer().customLayerData = dict(provenance)
 
     def write(self, code: float, values: Mapping[str, np.ndarray]) -> None:
-        """Set the quantities at a time code; all particles, float32, shape [n] or [n, 3], or float64, [n, 3, 3]."""
+        """Set the quantities at a time code; all particles, float32, shape [n] or [n, 3], or float64, [n, 3, 3].
+
+        The outputs are of elastic bodies: walls and fluids have no stress of their own.
+        """
         for index, (first, last) in enumerate(self._ranges):
-            self._write_body(index, code, {name: value[first:last] for name, value in values.items()})
+            own = {name: value[first:last] for name, value in values.items() if self._has(index, name)}
+            self._write_body(index, code, own)
+            self._content += sum(value.nbytes for value in own.values())
         if not self._stage.HasAuthoredTimeCodeRange():
             self._stage.SetStartTimeCode(code)
         self._stage.SetEndTimeCode(code)
-        self._content += sum(value.nbytes for value in values.values())
 
     def save(self) -> None:
         """Save in place.
@@ -123,6 +129,10 @@ class PointsFile:
             pass
         temporary.unlink(missing_ok=True)
         self._content = self.path.stat().st_size
+
+    def _has(self, index: int, name: str) -> bool:
+        """Whether a body, wall or fluid has a quantity."""
+        return index < self._elastic or name not in OUTPUTS
 
     def _write_body(self, index: int, code: float, values: Mapping[str, np.ndarray]) -> None:
         points = self._points[index]

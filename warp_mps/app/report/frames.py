@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from warp_mps.app.colours import whose
 from warp_mps.app.report.encode import MISSING, Packed, pack, quantize
 from warp_mps.app.report.quantities import Range, quantities, range_of, title_of, unit_of
 from warp_mps.app.report.room import axes_of, box_of, seen_of
@@ -71,7 +72,7 @@ def make_frames(animation: Animation) -> Frames:
     names = _choose_quantities(frames, animation, colored, len(chosen))
     values = _read_values(animation, colored, chosen, names, axes)
     _add_quantities(frames, values)
-    frames.facts["first"] = _first(frames.facts["quantities"])
+    frames.facts["first"] = _first(frames.facts["quantities"], whose(animation, "pressure") == "fluid")
     frames.facts["clouds"] = [
         _cloud(frames, animation, n, _pack_places(frames, places[n], low, high), values) for n in numbers
     ]
@@ -165,10 +166,11 @@ def _add_quantities(frames: Frames, values: Table) -> None:
     ]
 
 
-def _first(found: list[dict[str, Any]]) -> str:
-    """The quantity that is shown first; empty if nothing differs."""
+def _first(found: list[dict[str, Any]], coupled: bool) -> str:
+    """The quantity that is shown first, of fluid and bodies the fluid's; empty if nothing differs."""
     varied = [item["name"] for item in found if item["greatest"] > item["least"]]
-    return next((name for name in ("von_mises", "pressure", *varied) if name in varied), "")
+    usual = ("pressure", "von_mises") if coupled else ("von_mises", "pressure")
+    return next((name for name in (*usual, *varied) if name in varied), "")
 
 
 def _kept(item: Range, fine: bool) -> tuple[float, float]:

@@ -8,7 +8,7 @@ from functools import cache, partial
 
 import numpy as np
 
-from warp_mps.app.colours import NAMES, usual_range
+from warp_mps.app.colours import NAMES, usual_range, whose
 from warp_mps.app.result import UNITS, Animation
 from warp_mps.components import TENSORS, tensor_places
 
@@ -16,6 +16,8 @@ Values = Callable[[], np.ndarray]
 
 # numbers from which the usual range is taken
 SAMPLES = 200_000
+# in runs of both, as its size and its meaning are others than those of the fluid's
+IN_BODIES = "pressure in bodies"
 
 
 @dataclass(frozen=True)
@@ -64,6 +66,9 @@ def quantities(animation: Animation, cloud: int, frame: int, *, axes: str) -> di
         name: partial(np.asarray, found[name]) for name in ("pressure", "von_mises", "strain_energy") if name in found
     }
     if animation.clouds[cloud].role == "body":
+        if "pressure" in made and whose(animation, "pressure") == "fluid":
+            made[IN_BODIES] = made.pop("pressure")
+            found[IN_BODIES] = found.pop("pressure")
         made["displacement"] = lambda: unit * _size(animation.points(cloud, frame) - animation.points(cloud, 0))
     for name in TENSORS:
         if name in found:

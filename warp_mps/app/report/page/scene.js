@@ -129,8 +129,10 @@ class Scene {
   }
 
   color(item) {
-    // what has no value of the quantity is grey, as walls are
-    return item.cloud.role === "wall" || (this.colors.quantity && !item.values) ? [0.78, 0.79, 0.8] : item.cloud.color;
+    const { role, color } = item.cloud;
+    if (role === "wall") return [0.78, 0.79, 0.8];
+    // what has no value of the quantity: its own colour, but a fluid's is one of the map, and is made pale
+    return this.colors.quantity && !item.values && role === "fluid" ? color.map((part) => 0.3 * part + 0.66) : color;
   }
 
   /** Normal and offset of the plane beyond which nothing is drawn. */
