@@ -15,7 +15,7 @@ from warp_mps.core.weights import lattice_neighbours
 from warp_mps.elastic.material import stable_time_step
 from warp_mps.errors import InputError
 from warp_mps.particles import Particles, count_particles, fill_scene, kind_of
-from warp_mps.scene import Scene
+from warp_mps.scene import Body, Scene
 
 # seconds a particle-step and neighbour on one CPU core, as the benchmark measures it (2-D, 3-D)
 SECONDS_PER_PAIR = {"springs": {2: 12e-9, 3: 28e-9}, "hamiltonian": {2: 7e-9, 3: 9e-9}}
@@ -27,23 +27,29 @@ SECONDS_OF_FRICTION = {2: 13e-9, 3: 28e-9}
 # seconds that a step of fluids takes a particle, walls included, on one CPU core (2-D, 3-D): tanks of 2000 to 70000
 # particles took 0.8 to 1.1 and 0.7 to 1.8 us
 SECONDS_PER_FLUID_STEP = {2: 1.2e-6, 3: 1.6e-6}
-# bytes that a particle of a scene of fluids takes at most; tanks of 0.1 and 0.3 million particles were measured to need
-# 1140 in 2-D and 1100 in 3-D, where most were of walls
-BYTES_OF_FLUID = {2: 1600, 3: 4000}
-# bytes that a particle and a pair take at most (2-D, 3-D); a block of a million particles was measured to need 0.7 GB
-# in 2-D and 1.8 GB in 3-D, where these figures give 1.1 and 2.4
-BYTES_PER_PARTICLE = {2: 600, 3: 900}
+# bytes that a particle of a scene of fluids takes, walls and what the water sees of bodies included; tanks of 0.04 and
+# 0.14 million particles were measured to need 1620 in 2-D and 3310 in 3-D, and less where most are of walls
+BYTES_OF_FLUID = {2: 1700, 3: 3500}
+# bytes that a particle of a body and a pair take (2-D, 3-D); blocks of 0.16 and 0.04 million particles were measured to
+# need 1200 and 1820 a particle, at the peak, where these figures give 1220 and 1860
+BYTES_PER_PARTICLE = {2: 900, 3: 1000}
 BYTES_PER_PAIR = {2: 40, 3: 48}
-# bytes more a particle where bodies of equal spacing can touch, and where they rub
+# bytes more a particle where bodies of equal spacing can touch, and where they rub; 320 and 550, 450 and 920 measured
 BYTES_OF_CONTACT = {2: 350, 3: 450}
-BYTES_OF_FRICTION = {2: 430, 3: 600}
+BYTES_OF_FRICTION = {2: 560, 3: 930}
+# bytes more a particle that water sees of a body, mostly what the passes have shown of earlier ones; columns of water
+# against blocks were measured to need 3800 to 8100 in 2-D and 8900 in 3-D
+BYTES_OF_MARKER = {2: 8500, 3: 10000}
 
 # bytes of a particle in a frame: position, velocity and pressure, and the outputs
 BYTES_OF_FRAME = 28
 BYTES_OF_OUTPUT = {"stress": 72, "strain": 72, "von_mises": 4, "strain_energy": 4}
+# every save leaves the tables of the one before in the file: bytes of them, and of a sample in them, and what may be
+# left beyond as much as counts (`warp_mps.usd.points`); series of samples that each body, wall and fluid has
+BYTES_OF_SAVE, BYTES_OF_SAMPLE, MOST_LEFT, SERIES = 1200, 10, 2**20, 4
 
-# bytes more a particle where equations are solved for the displacements
-BYTES_OF_SOLVER = {2: 600, 3: 1000}
+# bytes more a particle where equations are solved for the displacements; 660 and 1120 measured
+BYTES_OF_SOLVER = {2: 700, 3: 1200}
 # of a solve: Newton iterations of a load step and of a time step, product in units of an explicit step, and iterations
 # of the linear solver: in statics in units of the particles along an edge of a square or a cube of them
 NEWTON = {"static": 6.0, "dynamic": 2.0}
@@ -104,8 +110,8 @@ def estimate(scene: Scene) -> Cost:
         dt_limit=clock.dt_limit,
         steps=clock.steps,
         frames=frames_of(clock),
-        memory=memory_of(scene, total),
-        disk=disk_of(scene, total, frames_of(clock)),
+        memory=memory_of(scene, particles),
+        disk=disk_of(scene, particles, frames_of(clock)),
         seconds=clock.steps * (elastic * neighbours * per_pair * products + total * contact),
     )
 
@@ -138,8 +144,8 @@ def _estimate_fluids(scene: Scene) -> Cost:
         dt_limit=limit,
         steps=steps,
         frames=frames_of(clock),
-        memory=memory_of(scene, filled.count),
-        disk=disk_of(scene, filled.count, frames_of(clock)),
+        memory=memory_of(scene, particles),
+        disk=disk_of(scene, particles, frames_of(clock)),
         seconds=steps * (filled.count * SECONDS_PER_FLUID_STEP[scene.dimension] * passes + _of_bodies(scene, filled)),
     )
 
@@ -169,20 +175,39 @@ def frames_of(clock: Clock) -> int:
     return clock.steps // clock.frame_every + 1
 
 
-def disk_of(scene: Scene, particles: int, frames: int) -> float:
-    """Size of an animation of so many particles and frames, at most [bytes]."""
-    return float(frames) * particles * (BYTES_OF_FRAME + sum(BYTES_OF_OUTPUT[name] for name in scene.outputs))
+def disk_of(scene: Scene, particles: Mapping[str, int], frames: int) -> float:
+    """Size of an animation of so many frames, at most, with so many particles of each body, wall and fluid [bytes]."""
+    elastic, total = sum(particles[body.name] for body in scene.bodies), sum(particles.values())
+    content = frames * (total * BYTES_OF_FRAME + elastic * sum(BYTES_OF_OUTPUT[name] for name in scene.outputs))
+    series = SERIES * len(particles) + len(scene.outputs) * len(scene.bodies)
+    left = 0.5 * frames * (BYTES_OF_SAVE + frames * series * BYTES_OF_SAMPLE)
+    return float(content + min(left, content + MOST_LEFT))
 
 
-def memory_of(scene: Scene, particles: int) -> float:
-    """Memory that a run with so many particles needs at most [bytes]."""
-    d = scene.dimension
-    if scene.fluids:
-        return float(particles) * BYTES_OF_FLUID[d]
+def memory_of(scene: Scene, particles: Mapping[str, int]) -> float:
+    """Memory that a run with so many particles of each body, wall and fluid needs at most [bytes]."""
+    d, elastic, total = scene.dimension, sum(particles[body.name] for body in scene.bodies), sum(particles.values())
     pairs = lattice_neighbours(d, scene.elasticity.effective_radius)
-    contact = _contact_of(scene, BYTES_OF_CONTACT, BYTES_OF_FRICTION)
-    solver = BYTES_OF_SOLVER[d] if scene.implicit else 0
-    return float(particles) * (BYTES_PER_PARTICLE[d] + BYTES_PER_PAIR[d] * pairs + contact + solver)
+    implicit = scene.implicit or bool(scene.fluids and scene.bodies and _follows_implicitly(scene))
+    own = BYTES_PER_PARTICLE[d] + BYTES_PER_PAIR[d] * pairs + (BYTES_OF_SOLVER[d] if implicit else 0)
+    dry = total - sum(particles[fluid.name] for fluid in scene.fluids)
+    wet = total - elastic if scene.fluids else 0
+    # walls beside bodies alone are kept as bodies are
+    solid = elastic if scene.fluids else total
+    seen = sum(particles[body.name] / _finer(scene, body) ** d for body in scene.bodies) if scene.fluids else 0.0
+    water = wet * BYTES_OF_FLUID[d] + seen * (BYTES_OF_FLUID[d] + BYTES_OF_MARKER[d])
+    return solid * own + dry * _contact_of(scene, BYTES_OF_CONTACT, BYTES_OF_FRICTION) + water
+
+
+def _follows_implicitly(scene: Scene) -> bool:
+    from warp_mps.coupling.choice import takes_implicit_steps
+
+    return takes_implicit_steps(scene)
+
+
+def _finer(scene: Scene, body: Body) -> int:
+    """How many particles of a body lie along an edge of one of the water."""
+    return max(1, round(scene.fluids[0].spacing / body.spacing))
 
 
 def _contact_of(scene: Scene, touching: Mapping[int, float], rubbing: Mapping[int, float]) -> float:
@@ -201,7 +226,7 @@ def refuse_too_large(scene: Scene) -> None:
         InputError: It does; the line names the largest body.
     """
     particles, available = count_particles(scene), available_memory()
-    memory = memory_of(scene, sum(particles.values()))
+    memory = memory_of(scene, particles)
     if memory > available:
         name = max(particles, key=lambda body: particles[body])
         body = next(item for item in scene.filled if item.name == name)

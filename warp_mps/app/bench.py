@@ -13,6 +13,7 @@ from rich.table import Table
 
 from warp_mps.app.show import console
 from warp_mps.cost import available_memory, memory_of
+from warp_mps.particles import count_particles
 from warp_mps.scene import Body, Elasticity, Material, Scene
 from warp_mps.shapes import Box
 from warp_mps.simulation import Simulation
@@ -58,7 +59,7 @@ def bench_solid(
     table.add_column("share of each kernel")
     for model, dimension, size, precision in itertools.product(models, dimensions, sizes or SIZES, precisions):
         scene = block(model, dimension, size)
-        if not fits(scene, size, size):
+        if not fits(scene, size):
             continue
         print(f"warp-mps: {model}, {dimension}-D, {size} particles, {precision}", file=sys.stderr, flush=True)
         table.add_row(model, *_measure(scene, precision, device, threads))
@@ -66,9 +67,9 @@ def bench_solid(
     return 0
 
 
-def fits(scene: Scene, size: int, particles: int) -> bool:
-    """Whether a scene of a size, and so many particles in all, fits into memory; says so if it does not."""
-    if memory_of(scene, particles) <= available_memory():
+def fits(scene: Scene, size: int) -> bool:
+    """Whether a scene of a size fits into memory; says so if it does not."""
+    if memory_of(scene, count_particles(scene)) <= available_memory():
         return True
     print(f"warp-mps: {size} particles in {scene.dimension}-D do not fit into memory, left out", file=sys.stderr)
     return False

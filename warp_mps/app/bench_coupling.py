@@ -12,7 +12,7 @@ from typing import Any
 from rich.table import Table
 
 from warp_mps.app.bench import fits
-from warp_mps.app.bench_fluids import THICK, TOLERANCE, all_particles, box
+from warp_mps.app.bench_fluids import THICK, TOLERANCE, box
 from warp_mps.app.show import console
 from warp_mps.coupling.hydroelastic import Hydroelastic
 from warp_mps.scene import Body, Contact, Flow, Fluid, Material, Scene, Support, Wall
@@ -46,7 +46,7 @@ def bench_coupling(sizes: Sequence[int], *, dimensions: Sequence[int], precision
     for dimension, precision in itertools.product(dimensions, precisions):
         for size, way in itertools.product(sizes or SIZES[dimension], WAYS):
             scene = column(dimension, size, way)
-            if not fits(scene, size, all_particles(scene)):
+            if not fits(scene, size):
                 continue
             line = f"warp-mps: water on a plate, {dimension}-D, {size} particles, {way}, {precision}"
             print(line, file=sys.stderr, flush=True)

@@ -58,7 +58,7 @@ def bench_fluids(sizes: Sequence[int], *, dimensions: Sequence[int], precisions:
     for dimension, precision in itertools.product(dimensions, precisions):
         for size in sizes or SIZES[dimension]:
             scene = dam(dimension, size)
-            if not fits(scene, size, all_particles(scene)):
+            if not fits(scene, size):
                 continue
             print(f"warp-mps: dam break, {dimension}-D, {size} particles, {precision}", file=sys.stderr, flush=True)
             table.add_row(*_measure(scene, precision, device))
@@ -101,13 +101,6 @@ def box(low: Sequence[float], high: Sequence[float]) -> Box:
 
 def _wall(name: str, low: Sequence[float], high: Sequence[float]) -> Wall:
     return Wall(name=name, shape=box(low, high), spacing=1.0)
-
-
-def all_particles(scene: Scene) -> int:
-    """Number of particles of a scene, walls included."""
-    from warp_mps.particles import count_particles
-
-    return sum(count_particles(scene).values())
 
 
 def _measure(scene: Scene, precision: str, device: str) -> list[str]:
