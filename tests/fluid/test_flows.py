@@ -144,7 +144,8 @@ def test_drops_that_collide_keep_their_momentum(dimension: int, precision: str) 
 def test_a_dam_breaks(scheme: str, growth: float) -> None:
     """No particle goes through a wall; impulse and energy are accounted for, and no energy comes from nowhere."""
     a = 10
-    scene = tank((a, 2 * a), room=(4 * a, 4 * a), flow=Flow(scheme=scheme))
+    # splashes take what the solve leaves for energy
+    scene = tank((a, 2 * a), room=(4 * a, 4 * a), flow=Flow(scheme=scheme, tolerance=1e-6))
     fluids = fluids_of(scene)
     w, mass = walls_of(fluids), RHO * (L0 * a) ** 2 * 2
     first = fluids.energy()

@@ -119,7 +119,8 @@ FLUID_TOLERANCES: dict[str, dict[str, float]] = {
         "arrival at 0.529 m by potential flow": 0.05,
         "arrival at 0.395 m by the original method": 0.035,
         "arrival at 0.475 m by the original method": 0.045,
-        "volume at the end": 0.01,
+        # the last splash: 0.003 to 0.020, 0.009 on average, in runs that differ in the solve's last digits
+        "volume at the end": 0.025,
     },
     "dam_break_3d": {
         "arrival at 0.183 m": 0.15,

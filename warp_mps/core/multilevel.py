@@ -7,7 +7,9 @@ good inverse there, and what is smoother is left to the cells:
     M^-1 = D^-1 + P V P^T
 
 P interpolates linearly between the centres of cells, and V is a V-cycle on the cells, with a damped Jacobi sweep before
-and after the correction by the next level. It costs a small part of a product with the matrix.
+and after the correction by the next level. It costs a small part of a product with the matrix. A row of P counts with
+the share of its couplings in its diagonal, which is what a Jacobi sweep makes of a constant there (smoothed
+aggregation; Vanek, Mandel & Brezina, Computing 56 (1996) 179): a free surface ties rows to 0 more than to each other.
 
 The matrix of the cells is the sum of the entries between their unknowns, as if P were constant in a cell, with its
 couplings scaled down for what that makes them too stiff (overcorrection, as in Braess, Computing 55 (1995) 379):
@@ -132,6 +134,7 @@ class Multilevel:
         self._between = wp.zeros(n, dtype=wp.int32, device=device)
         self._cell = wp.zeros(n, dtype=type(dims), device=device)
         self._weight = wp.zeros(n, dtype=shares, device=device)
+        self._share = wp.zeros(n, dtype=wp.float64, device=device)
         self._corner_sums = wp.zeros(self._sums, dtype=shares, device=device)
 
     def prepare(self, matrix: Matrix, inverse: wp.array) -> None:
@@ -144,9 +147,11 @@ class Multilevel:
         self._launch(particles.find_starts, self._bins + 1, [self._n, self._bin], [self._start])
         rows = [matrix.first, matrix.count, matrix.index, matrix.value, matrix.diagonal]
         inputs = [*self._grid, self._scale, *rows, self._start, self._order, self._cell]
-        self._launch(particles.gather, top.size, inputs, top.matrix)
+        self._launch(particles.gather, top.size, inputs, [self._share, *top.matrix])
         self._launch(particles.spread, self._sums, [*self._grid, top.diagonal], [self._corner_sums])
-        self._launch(particles.weigh_again, self._n, [inverse, self._between, self._corner_sums], [self._weight])
+        self._launch(
+            particles.weigh_again, self._n, [inverse, self._between, self._share, self._corner_sums], [self._weight]
+        )
         for fine, coarse in itertools.pairwise(levels):
             inputs = [fine.dims, coarse.dims, self._wraps, fine.coupling, fine.excess]
             self._launch(self._cells.coarsen, coarse.size, inputs, coarse.matrix)

@@ -124,11 +124,16 @@ def particle_kernels(kit: Kit) -> SimpleNamespace:
         order: counts,
         cell: wp.array(dtype=ivec),
         # Out:
+        share_out: numbers,
         coupling_out: numbers,
         excess_out: numbers,
         diagonal_out: numbers,
     ):
-        """The matrix between cells: the sums of all entries between their unknowns, scaled."""
+        """The matrix between cells, the sums of all entries between their unknowns, scaled; and shares of couplings.
+
+        The share is that which a row's couplings to other unknowns have in its diagonal, and of its excess counts what
+        is left when the unknown is eliminated: the share of it.
+        """
         c = wp.tid()
         here = unflat(c, dims)
         sums = row()
@@ -138,22 +143,23 @@ def particle_kernels(kit: Kit) -> SimpleNamespace:
             bin = flat(2 * here + corner(k), 2 * dims)
             for place in range(start[bin], start[bin + 1]):
                 i = order[place]
-                total += real64(diagonal[i])
+                row_total = real64(diagonal[i])
+                coupled = real64(0.0)
                 for entry in range(first[i], first[i] + count[i]):
                     there = cell[index[entry]]
-                    v = real64(value[entry])
                     to = slot(nearest(there - here, dims, wraps))
                     if to >= 0:
-                        sums[to] += v
-                    elif there[0] >= 0:
-                        # farther away than the width of a cell
-                        excess -= v
+                        sums[to] += real64(value[entry])
+                    if there[0] >= 0:
+                        coupled += real64(value[entry])
+                share = wp.clamp(coupled / row_total, real64(0.0), real64(1.0))
+                share_out[i] = share
+                total += row_total
+                excess += share * (row_total - coupled)
         for s in range(around):
-            excess -= sums[s]
             # a preconditioner has to be positive, whatever the matrix
             coupling_out[c * around + s] = wp.max(scale * sums[s], real64(0.0))
         coupling_out[c * around + around // 2] = real64(0.0)
-        excess += total
         if excess < real64(ROUNDING) * total:
             # the cells of a singular matrix must be singular, too: their constant part is divided by the excess
             excess = real64(0.0)
@@ -165,13 +171,15 @@ def particle_kernels(kit: Kit) -> SimpleNamespace:
         # State in:
         inverse: numbers,
         between: counts,
+        share: numbers,
         corner_diagonal: wp.array(dtype=shares),
         # Out:
         weight_out: wp.array(dtype=shares),
     ):
         """Leave cells without an unknown out of the interpolation, so that constants remain constant beside them.
 
-        Otherwise a domain that the cells do not divide evenly takes half as many iterations again.
+        Otherwise a domain that the cells do not divide evenly takes half as many iterations again. And let a row have
+        no more than its share of them, as a Jacobi sweep does: one of the free surface hardly follows those below.
         """
         i = wp.tid()
         if inverse[i] == real64(0.0):
@@ -185,7 +193,7 @@ def particle_kernels(kit: Kit) -> SimpleNamespace:
             total += weight[k]
         if total > real64(0.0):
             weight /= total
-        weight_out[i] = weight
+        weight_out[i] = share[i] * weight
 
     @kit.kernel(METHOD)
     def collect_particles(
