@@ -48,12 +48,14 @@ BYTES_OF_OUTPUT = {"stress": 72, "strain": 72, "von_mises": 4, "strain_energy": 
 # left beyond as much as counts (`warp_mps.usd.points`); series of samples that each body, wall and fluid has
 BYTES_OF_SAVE, BYTES_OF_SAMPLE, MOST_LEFT, SERIES = 1200, 10, 2**20, 4
 
-# bytes more a particle where equations are solved for the displacements; 660 and 1120 measured
-BYTES_OF_SOLVER = {2: 700, 3: 1200}
-# of a solve: Newton iterations of a load step and of a time step, product in units of an explicit step, and iterations
-# of the linear solver: in statics in units of the particles along an edge of a square or a cube of them
+# bytes more a particle where equations are solved for the displacements; 1150 and 1850 measured, of which aggregates
+# take 490 and 730, most of it while they are gathered
+BYTES_OF_SOLVER = {2: 1200, 3: 2000}
+# of a solve: Newton iterations of a load step and of a time step, an iteration of the linear solver in units of an
+# explicit step, and how many there are of these: squares and cubes of 1400 to 96000 particles took 27 to 91, and
+# 30 to 49, as many as ever up to so many particles
 NEWTON = {"static": 6.0, "dynamic": 2.0}
-PRODUCT, LINEAR = 2.5, 12.0
+PRODUCT, LINEAR, LINEAR_PARTICLES = 1.5, 40.0, 10_000
 # pressure solves of a step until water and bodies agree, the larger part of it
 PASSES = 3.0
 
@@ -118,7 +120,7 @@ def estimate(scene: Scene) -> Cost:
 
 def _products(scene: Scene, particles: int) -> float:
     """Explicit steps that a step with solved equations takes as long as."""
-    iterations = LINEAR * particles ** (1.0 / scene.dimension)
+    iterations = LINEAR * max(1.0, particles / LINEAR_PARTICLES) ** (1.0 / scene.dimension)
     if scene.analysis == "dynamic" and scene.time_step is not None:
         # the inertia of a short step makes its equation easy
         explicit = min(stable_time_step(body, scene) for body in scene.bodies)

@@ -48,7 +48,7 @@ def test_every_try_of_a_step_begins_with_the_same_state(way: dict, dimension: in
                 continue
             # a search that begins elsewhere ends as near to the solution, not at the same bits
             for name, values in tried[0].items():
-                if name != "pace":
+                if name != "pace" and not name.startswith("coarse"):
                     close = (1e-6 if precision == "float64" else 1e-3) * np.abs(values).max(initial=0.0)
                     np.testing.assert_allclose(tried[2][name], values, rtol=0.0, atol=close, err_msg=name)
         ends.append(tried[2])

@@ -215,7 +215,9 @@ def test_a_saved_state_comes_back_and_leads_to_the_same_end() -> None:
     assert np.abs(pushed[1] - first[1]).max() > 1e-3
     solid.restore()
     after = solid.arrays()
-    assert_same_bits([{**after, "pace": before["pace"]}], [before])
+    # what the solver learned is not of the state
+    learned = {name: before[name] for name in before if name == "pace" or name.startswith("coarse")}
+    assert_same_bits([{**after, **learned}], [before])
 
 
 def test_an_external_force_is_as_good_as_a_load() -> None:

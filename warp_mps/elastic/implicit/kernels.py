@@ -7,8 +7,9 @@ from warp_mps.core.kit import Kit
 from warp_mps.elastic.implicit.newton_kernels import newton_kernels
 from warp_mps.elastic.implicit.step_kernels import step_kernels
 from warp_mps.elastic.implicit.tangent import METHOD, tangent_kernels
+from warp_mps.elastic.implicit.two_level_kernels import two_level_kernels
 
-KERNELS = (tangent_kernels, newton_kernels, step_kernels)
+KERNELS = (tangent_kernels, newton_kernels, step_kernels, two_level_kernels)
 
 
 def declare_implicit(kit: Kit) -> list[str]:

@@ -1,8 +1,9 @@
 """Newton's method for the equilibrium of elastic particles, and for a step of time in its form.
 
 The linear systems are solved by conjugate gradients on the device, to a part of the residual (Dembo, Eisenstat and
-Steihaug, SIAM J. Numer. Anal. 19 (1982) 400); the host only decides how much of each change is made. It is as much as
-the potential falls by (Armijo's rule, Nocedal & Wright, Numerical Optimization, 2nd ed., section 3.1).
+Steihaug, SIAM J. Numer. Anal. 19 (1982) 400), with two levels of preconditioning. The host inverts the coarse one now
+and then; else it only decides how much of each change is made. It is as much as the potential falls by (Armijo's rule,
+Nocedal & Wright, Numerical Optimization, 2nd ed., section 3.1).
 """
 
 from __future__ import annotations
@@ -22,7 +23,9 @@ from warp_mps.elastic.hamiltonian_model import HamiltonianModel
 from warp_mps.elastic.implicit import newton_kernels as names
 from warp_mps.elastic.implicit.newton_kernels import newton_kernels
 from warp_mps.elastic.implicit.operator import Tangent
+from warp_mps.elastic.implicit.two_level import TwoLevel
 from warp_mps.elastic.state import ElasticState
+from warp_mps.particles import Particles
 
 # residual of the forces, relative to what they are measured by
 TOLERANCES = {"float64": 1e-8, "float32": 1e-4}
@@ -71,11 +74,13 @@ class Newton:
         inertia: a [1/s^2], float64, shape [1].
         solver: The linear solver.
         tangent: The operator.
+        preconditioner: That of the linear solver.
         statistics: What was done so far.
         tolerance: Norm of the residual that is asked for, relative to the forces.
 
     Args:
         model: The model.
+        particles: Its particles.
         state: Its state, of as many particles as the model has; `u` and `force` (the elastic one) are changed.
         mass: Masses [kg], shape [n].
         held: Whether each axis of each particle is held, shape [n, d].
@@ -89,6 +94,7 @@ class Newton:
     def __init__(
         self,
         model: HamiltonianModel,
+        particles: Particles,
         state: ElasticState,
         mass: wp.array,
         held: np.ndarray,
@@ -109,6 +115,9 @@ class Newton:
         )
         self.inertia = wp.zeros(1, dtype=wp.float64, device=device)
         self.tangent = Tangent(model, mass, held, self.inertia, kit=kit, device=device)
+        self.preconditioner = TwoLevel(
+            self.tangent, model, particles, state, held, self.inertia, kit=kit, device=device, graphs=graphs
+        )
         self._free = wp.array(~held, dtype=kit.vec, device=device)
         self._energy = wp.zeros(self._n, dtype=kit.real, device=device)
         flat = [wp.zeros(n, dtype=wp.float64, device=device) for _ in range(6)]
@@ -124,7 +133,7 @@ class Newton:
             device=device,
             tolerance=linear_tolerance,
             max_iterations=max(1000, 4 * n),
-            preconditioner=self.tangent,
+            preconditioner=self.preconditioner,
         )
         self.statistics = NewtonStatistics()
 
@@ -159,7 +168,7 @@ class Newton:
             if iterations == MOST_ITERATIONS:
                 break
             iterations += 1
-            self._run("direct", self._direct)
+            self._find_direction()
             done = self._search(now, jumps=jumps)
             if done is None:
                 break
@@ -241,6 +250,13 @@ class Newton:
         self._note(names.SCALE, self._sums[0].launch(self._scale, self._scale, self._scale))
         self._note(names.POTENTIAL, self._sums[1].launch(self._potential, self._ones, self._potential))
 
+    def _find_direction(self) -> None:
+        renewal = self.preconditioner.renewal
+        if renewal.due:
+            self.preconditioner.renew()
+        self._run("direct", self._direct)
+        renewal.count(self.solver.read_statistics().last_iterations)
+
     def _direct(self) -> None:
         """The change that the tangent at the present state asks for."""
         kernels, vectors = self._kernels, self.tangent.vectors
@@ -253,7 +269,7 @@ class Newton:
         self._end_direction()
 
     def _descend(self) -> None:
-        """Down the residual, as the preconditioner measures it."""
+        """Down the residual, as the blocks of the tangent measure it, which are positive in any state."""
         self.tangent.apply(self._residual, self._change)
         self._end_direction()
 

@@ -1,4 +1,4 @@
-"""The tangent of a Hamiltonian model as an operator of the linear solver, with its blocks as preconditioner."""
+"""The tangent of a Hamiltonian model as an operator of the linear solver, and its blocks, which precondition it."""
 
 from __future__ import annotations
 

@@ -36,7 +36,9 @@ class StaticSolid(Solid):
         state = self.state
         held = self.outside.held
         self._kernels = step_kernels(kit)
-        self.newton = Newton(self.model, state, self._mass, held, kit=kit, device=device, graphs=graphs)
+        self.newton = Newton(self.model, particles, state, self._mass, held, kit=kit, device=device, graphs=graphs)
+        # no inertia makes the first equation easy
+        self.newton.preconditioner.renewal.demand()
         self._free = wp.array(~held, dtype=kit.vec, device=device)
         weights = np.outer(self._masses, scene.gravity) if len(scene.gravity) else np.zeros(held.shape)
         self._load = wp.array(weights, dtype=kit.vec, device=device)
@@ -97,7 +99,8 @@ class StaticSolid(Solid):
         """Everything that evolves, for a checkpoint."""
         own = {"static_work": self._work, "applied": self.newton.applied, "u_earlier": self._u_earlier}
         copies = {name: array.numpy().copy() for name, array in own.items()}
-        return {**super().arrays(), **copies, "factors": np.array([self._earlier, self._reached])}
+        solver = self.newton.preconditioner.arrays()
+        return {**super().arrays(), **copies, **solver, "factors": np.array([self._earlier, self._reached])}
 
     def assign(self, arrays: dict[str, np.ndarray]) -> None:
         """Continue from arrays that `arrays` gave."""
@@ -106,6 +109,7 @@ class StaticSolid(Solid):
         self._u_earlier.assign(arrays["u_earlier"])
         self._work.assign(arrays["static_work"])
         self.newton.applied.assign(arrays["applied"])
+        self.newton.preconditioner.assign(arrays)
         self._elastic_forces()
 
     def _not_found(self) -> str:

@@ -73,7 +73,9 @@ class ImplicitSolid(Solid):
         self._kernels, self._theta = step_kernels(kit), scene.theta
         self._run = Replay(device=device, graphs=graphs)
         options: dict[str, Any] = {"kit": kit, "device": device, "graphs": graphs}
-        self.newton = Newton(self.model, state, self._mass, held, linear_tolerance=linear_tolerance, **options)
+        self.newton = Newton(
+            self.model, particles, state, self._mass, held, linear_tolerance=linear_tolerance, **options
+        )
         self._free = wp.array(~held, dtype=kit.vec, device=device)
         self._length = wp.zeros(1, dtype=wp.float64, device=device)
         self._time = 0.0
@@ -132,8 +134,8 @@ class ImplicitSolid(Solid):
     def restore(self) -> None:
         """Go back to the state that was kept.
 
-        `external` stays as it is, and the step begins its search where the last one led: a step that is taken again
-        agrees with itself to the solver's tolerance, not to the bit.
+        `external` stays as it is, and so does what the solver learned: the step begins its search where the last one
+        led. A step that is taken again agrees with itself to the solver's tolerance, not to the bit.
         """
         self._snapshot.restore()
         self._time = self._saved_time
@@ -154,7 +156,8 @@ class ImplicitSolid(Solid):
         """Everything that evolves, for a checkpoint."""
         own = {"load": self._load, "elastic": self._elastic, "implicit_work": self._work, "pace": self._pace}
         copies = {name: array.numpy().copy() for name, array in own.items()}
-        return {**super().arrays(), **copies, "implicit_time": np.array(self._time)}
+        solver = self.newton.preconditioner.arrays()
+        return {**super().arrays(), **copies, **solver, "implicit_time": np.array(self._time)}
 
     def assign(self, arrays: dict[str, np.ndarray]) -> None:
         """Continue from arrays that `arrays` gave."""
@@ -163,6 +166,7 @@ class ImplicitSolid(Solid):
         for name, array in own.items():
             array.assign(arrays[name])
         self._time = float(arrays["implicit_time"])
+        self.newton.preconditioner.assign(arrays)
 
     def _begin(self) -> None:
         """What the step has to solve."""

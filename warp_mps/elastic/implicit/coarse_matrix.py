@@ -1,0 +1,86 @@
+"""The coarse matrix of the two-level preconditioner on the host: a dense block for each body, and their inverses."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from warp_mps.elastic.implicit.aggregates import Aggregates
+
+SHIFT_GROWTH = 100.0
+# of a diagonal, relative to the largest: motions below it are of what does not move, as turns of single particles
+NOTHING = 1e-14
+
+
+class CoarseMatrix:
+    """Where the entries of the coarse matrix are, the blocks of the bodies one after the other.
+
+    Attributes:
+        total: Entries of all blocks.
+        sizes: Rows of each block, shape [bodies].
+        first: First row of the block of each row, shape [rows].
+        block: First entry of the block of each row, shape [rows].
+        size: Rows of the block of each row, shape [rows].
+
+    Args:
+        aggregates: The aggregates.
+        modes: Unknowns of each.
+    """
+
+    def __init__(self, aggregates: Aggregates, modes: int) -> None:
+        _, body, counts = np.unique(aggregates.bodies, return_inverse=True, return_counts=True)
+        self.sizes = modes * counts
+        self._starts = np.concatenate(([0], np.cumsum(self.sizes**2)))
+        self.total = int(self._starts[-1])
+        first = np.cumsum(self.sizes) - self.sizes
+        self.first, self.block, self.size = (
+            np.repeat(values[body], modes) for values in (first, self._starts[:-1], self.sizes)
+        )
+        rows, columns = aggregates.rows, aggregates.columns
+        self._entries = (aggregates.colours[columns], rows)
+        here, mode = modes * rows, np.arange(modes)
+        inside = here - self.first[here], modes * columns - self.first[here]
+        row, column = inside[0][:, None, None] + mode, inside[1][:, None, None] + mode[:, None]
+        # of an answer to a motion of a column: the motion, then what it does
+        self._places = self.block[here][:, None, None] + row * self.size[here][:, None, None] + column
+
+    def inverse(self, answers: np.ndarray, shift: float) -> np.ndarray:
+        """Positive inverses of the blocks, one after the other.
+
+        Args:
+            answers: Forces and moments on the aggregates while those of a colour move, shape [colours, modes,
+                aggregates, modes].
+            shift: Least addition to the diagonal, relative to it.
+        """
+        colour, row = self._entries
+        flat = np.zeros(self.total)
+        flat[self._places] = answers[colour, :, row, :]
+        for size, start in zip(self.sizes, self._starts[:-1], strict=True):
+            block = flat[start : start + size**2].reshape(size, size)
+            block[:] = positive_inverse(block, shift)
+        return flat
+
+
+def positive_inverse(matrix: np.ndarray, shift: float) -> np.ndarray:
+    """Inverse of a symmetric matrix that should be positive, made positive if need be.
+
+    Args:
+        matrix: The matrix, shape [m, m].
+        shift: Least addition to its diagonal, relative to it.
+
+    Returns:
+        The inverse; 0 in rows with nothing on the diagonal, and wholly if the matrix holds what is no number.
+    """
+    diagonal = np.diagonal(matrix)
+    there = diagonal > NOTHING * diagonal.max(initial=0.0)
+    scale = np.where(there, 1.0 / np.sqrt(np.where(there, diagonal, 1.0)), 0.0)
+    scaled = 0.5 * (matrix + matrix.T) * np.outer(scale, scale)
+    while shift < 1.0:
+        try:
+            np.fill_diagonal(scaled, 1.0 + shift)
+            half = np.linalg.inv(np.linalg.cholesky(scaled)) * scale
+        except np.linalg.LinAlgError:
+            shift *= SHIFT_GROWTH
+            continue
+        # a matrix that holds what is no number may have passed
+        return half.T @ half if np.isfinite(half).all() else np.zeros_like(matrix)
+    return np.zeros_like(matrix)

@@ -1,0 +1,188 @@
+"""A two-level preconditioner of the tangent: blocks of particles, and aggregates that move as rigid bodies.
+
+    M^-1 = D^-1 + P (P^T A P)^-1 P^T,   A = K + m a
+
+D are the blocks of the particles, and the columns of P the rigid motions of small groups of particles, where these are
+now. D^-1 is a good inverse for what varies from particle to particle. What varies slowly, such as bending, needs as
+many iterations as a body has particles along it; it hardly strains small groups, so that their motions hold it. The
+sum is additive Schwarz (Toselli & Widlund, Domain Decomposition Methods, Springer 2005, chapters 2 and 3): symmetric
+and positive, and two small kernels more than D alone. Rigid motions of aggregates, which coarsen thin bodies without
+locking, are from Bulgakov & Kuhn, Int. J. Numer. Meth. Engng 38 (1995) 3529, and coarse spaces of them from Nicolaides,
+SIAM J. Numer. Anal. 24 (1987) 355, and Vanek, Mandel & Brezina, Computing 56 (1996) 179, whose smoothing of P is left
+out: it saves less than it costs here.
+
+P^T A P is found from products with A: aggregates that nothing feels together move in the same product (Curtis, Powell
+& Reid, J. Inst. Math. Appl. 13 (1974) 117). Its dense inverse, a block for each body, is made on the host. It stays
+good while a body bends and dt changes, so that it is renewed only when it pays.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import warp as wp
+
+from warp_mps.core.kit import Kit
+from warp_mps.core.replay import Replay
+from warp_mps.elastic.hamiltonian_model import HamiltonianModel
+from warp_mps.elastic.implicit.aggregates import aggregate
+from warp_mps.elastic.implicit.coarse_matrix import CoarseMatrix
+from warp_mps.elastic.implicit.operator import Tangent
+from warp_mps.elastic.implicit.renewal import Renewal
+from warp_mps.elastic.implicit.two_level_kernels import two_level_kernels
+from warp_mps.elastic.state import ElasticState
+from warp_mps.particles import Particles
+
+# added to the diagonal of a coarse matrix of unit diagonal: for bodies that nothing holds, and for the rounding of
+# products in the run's precision
+SHIFTS = {"float64": 1e-12, "float32": 1e-6}
+# what a renewal takes in iterations: what the host does in any case, one for each product, and for the inversion of m
+# rows as many as m^3 / 20 over the pairs of particles
+HOST, INVERSION = 20.0, 0.05
+
+
+class TwoLevel:
+    """Preconditioner of `warp_mps.core.solver.ConjugateGradient` for a `Tangent`.
+
+    Attributes:
+        aggregates: The groups of particles.
+        renewal: When the coarse level is renewed. It is not made before the iterations without it are worth it.
+
+    Args:
+        tangent: The operator, whose blocks are the fine level.
+        model: The model.
+        particles: Its particles.
+        state: Its state.
+        held: Whether each axis of each particle is held, shape [n, d].
+        inertia: The factor a of the masses [1/s^2], float64, shape [1].
+        kit: Number types.
+        device: Warp device.
+        graphs: Whether launches are replayed as graphs.
+    """
+
+    def __init__(
+        self,
+        tangent: Tangent,
+        model: HamiltonianModel,
+        particles: Particles,
+        state: ElasticState,
+        held: np.ndarray,
+        inertia: wp.array,
+        *,
+        kit: Kit,
+        device: Any,
+        graphs: bool = True,
+    ) -> None:
+        self._kernels, self._device = two_level_kernels(kit), device
+        self._run = Replay(device=device, graphs=graphs)
+        self._tangent, self._model, self._state, self._inertia = tangent, model, state, inertia
+        self._n, d = held.shape
+        self._modes, self._shift = 3 * (d - 1), SHIFTS[kit.precision]
+        start, index = model.start.numpy(), model.index.numpy()
+        moves = np.asarray(~held.all(axis=1))
+        self.aggregates = aggregate(particles.positions, particles.spacings, moves, start, index, modes=self._modes)
+        self._matrix = CoarseMatrix(self.aggregates, self._modes)
+        groups, matrix = self.aggregates, self._matrix
+        self._colours = int(groups.colours.max(initial=-1)) + 1
+        inversion = float(np.sum(matrix.sizes.astype(float) ** 3)) / len(index)
+        self.renewal = Renewal(HOST + self._colours * self._modes + INVERSION * inversion)
+
+        def integers(values: np.ndarray) -> wp.array:
+            return wp.array(values, dtype=wp.int32, device=device)
+
+        vec64 = wp.types.vector(length=d, dtype=wp.float64)
+        self._motion = wp.types.vector(length=self._modes, dtype=wp.float64)
+        self._reference = wp.array(particles.positions, dtype=vec64, device=device)
+        self._free = wp.array(~held, dtype=kit.vec, device=device)
+        self._of, self._paint = integers(groups.of), integers(groups.colours)
+        self._members = [integers(groups.first), integers(groups.order)]
+        self._rows = [integers(matrix.first), integers(matrix.block), integers(matrix.size)]
+        self._arm = wp.zeros(self._n, dtype=vec64, device=device)
+        self._x, self._q = (wp.zeros(held.size, dtype=wp.float64, device=device) for _ in range(2))
+        unknowns = groups.count * self._modes
+        self._wrench, self._response = (wp.zeros(unknowns, dtype=wp.float64, device=device) for _ in range(2))
+        self._answers = wp.zeros(self._colours * self._modes * unknowns, dtype=wp.float64, device=device)
+        self._inverse = wp.zeros(matrix.total, dtype=wp.float64, device=device)
+        self._on, self._always = wp.zeros(1, dtype=wp.int32, device=device), integers(np.ones(1))
+        # what the coarse level was made of
+        self._made_of, self._made_at = wp.zeros_like(state.u), wp.zeros_like(inertia)
+
+    def prepare(self, matrix: Any, inverse: wp.array) -> None:
+        """Launch the blocks of the particles at the present state."""
+        self._tangent.prepare(matrix, inverse)
+
+    def apply(self, r: wp.array, z: wp.array) -> None:
+        """Launch z = M^-1 r."""
+        self._tangent.apply(r, z)
+        if self.aggregates.count == 0:
+            return
+        kernels, vectors = self._kernels, self._tangent.vectors
+        self._restrict(self._on, 0, r, self._wrench)
+        inputs = [self._on, int(wp.get_device(self._device).is_cuda), *self._rows, self._inverse, self._wrench]
+        self._launch(kernels.respond, len(self._wrench), inputs, [self._response])
+        inputs = [self._on, self._of, self._free, self._arm, self._motions(self._response)]
+        self._launch(kernels.prolong, self._n, inputs, [vectors(z)])
+
+    def renew(self) -> None:
+        """Make the coarse level of the present state, at which the model's stresses must be; waits for the device."""
+        wp.copy(self._made_of, self._state.u)
+        wp.copy(self._made_at, self._inertia)
+        self._make()
+        self.renewal.renew()
+
+    def arrays(self) -> dict[str, np.ndarray]:
+        """What it goes on with, for a checkpoint."""
+        numbers = [*self.renewal.numbers(), self._on.numpy()[0], self._made_at.numpy()[0]]
+        return {"coarse": np.array(numbers), "coarse_u": self._made_of.numpy().copy()}
+
+    def assign(self, arrays: dict[str, np.ndarray]) -> None:
+        """Continue from arrays that `arrays` gave; the model's stresses are those of the present state afterwards."""
+        *renewal, on, at = arrays["coarse"]
+        self.renewal.assign(np.array(renewal))
+        self._made_of.assign(arrays["coarse_u"])
+        self._made_at.fill_(at)
+        self._on.fill_(int(on))
+        if not on:
+            return
+        u, inertia, evaluate = self._state.u, self._inertia, self._model.passes[0][1]
+        now = [(array, wp.clone(array)) for array in (u, inertia)]
+        wp.copy(u, self._made_of)
+        wp.copy(inertia, self._made_at)
+        evaluate(self._state, 0, self._n)
+        self._make()
+        for array, kept in now:
+            wp.copy(array, kept)
+        evaluate(self._state, 0, self._n)
+
+    def _make(self) -> None:
+        if self.aggregates.count == 0:
+            return
+        self._run("probe", self._probe)
+        answers = self._answers.numpy().reshape(self._colours, self._modes, self.aggregates.count, self._modes)
+        self._inverse.assign(self._matrix.inverse(answers, self._shift))
+        self._on.fill_(1)
+
+    def _probe(self) -> None:
+        """Forces and moments on the aggregates while those of a colour move."""
+        kernels, tangent = self._kernels, self._tangent
+        self._launch(kernels.arms, self.aggregates.count, [*self._members, self._reference, self._state.u], [self._arm])
+        for colour in range(self._colours):
+            for mode in range(self._modes):
+                inputs = [colour, mode, self._of, self._paint, self._free, self._arm]
+                self._launch(kernels.spread, self._n, inputs, [tangent.vectors(self._x)])
+                tangent.multiply(self._x, self._q)
+                place = (colour * self._modes + mode) * self.aggregates.count
+                self._restrict(self._always, place, self._q, self._answers)
+
+    def _restrict(self, on: wp.array, place: int, r: wp.array, out: wp.array) -> None:
+        inputs = [on, place, *self._members, self._free, self._arm, self._tangent.vectors(r)]
+        self._launch(self._kernels.restrict, self.aggregates.count, inputs, [self._motions(out)])
+
+    def _motions(self, flat: wp.array) -> wp.array:
+        """The memory of coarse unknowns as those of one aggregate after the other."""
+        count = len(flat) // self._modes
+        return wp.array(ptr=flat.ptr, dtype=self._motion, shape=count, device=self._device, copy=False)
+
+    def _launch(self, kernel: Any, n: int, inputs: list[Any], outputs: list[Any]) -> None:
+        wp.launch(kernel, n, inputs, outputs, device=self._device)

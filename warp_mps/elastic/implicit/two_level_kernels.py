@@ -1,0 +1,188 @@
+"""Kernels of the two-level preconditioner: motions of aggregates, forces and moments on them, and between the two."""
+
+import functools
+from types import SimpleNamespace
+
+import warp as wp
+
+from warp_mps.core.kit import Kit
+from warp_mps.elastic.implicit.tangent import METHOD
+
+
+@functools.cache
+def two_level_kernels(kit: Kit) -> SimpleNamespace:
+    """Kernels `arms`, `spread`, `restrict`, `respond` and `prolong`.
+
+    A motion of an aggregate is a velocity of its centre and an angular velocity about it, 3 numbers in 2-D and 6 in
+    3-D; what does work on it is a force and a moment. Nothing is done while `on` is 0.
+    """
+    vec, d = kit.vec, kit.dimension
+    real64 = wp.float64
+    vec64 = wp.types.vector(length=d, dtype=wp.float64)
+    modes = wp.types.vector(length=3 * (d - 1), dtype=wp.float64)
+    counts, numbers = wp.array(dtype=wp.int32), wp.array(dtype=wp.float64)
+
+    if d == 2:
+
+        @kit.func(METHOD)
+        def wrench(arm: vec64, f: vec64) -> modes:
+            """Force and moment of a force at an arm."""
+            return modes(f[0], f[1], arm[0] * f[1] - arm[1] * f[0])
+
+        @kit.func(METHOD)
+        def motion(arm: vec64, m: modes) -> vec64:
+            """What a motion of an aggregate does at an arm."""
+            return vec64(m[0] - m[2] * arm[1], m[1] + m[2] * arm[0])
+
+    else:
+
+        @kit.func(METHOD)
+        def wrench(arm: vec64, f: vec64) -> modes:
+            """Force and moment of a force at an arm."""
+            t = wp.cross(arm, f)
+            return modes(f[0], f[1], f[2], t[0], t[1], t[2])
+
+        @kit.func(METHOD)
+        def motion(arm: vec64, m: modes) -> vec64:
+            """What a motion of an aggregate does at an arm."""
+            return vec64(m[0], m[1], m[2]) + wp.cross(vec64(m[3], m[4], m[5]), arm)
+
+    @kit.kernel(METHOD)
+    def arms(
+        # Model:
+        first: counts,
+        order: counts,
+        reference: wp.array(dtype=vec64),
+        # State in:
+        u: wp.array(dtype=vec),
+        # Out:
+        arm_out: wp.array(dtype=vec64),
+    ):
+        """From the centre of an aggregate to its particles, where they are now."""
+        a = wp.tid()
+        total = vec64()
+        for k in range(first[a], first[a + 1]):
+            i = order[k]
+            total += reference[i] + vec64(u[i])
+        center = total / real64(first[a + 1] - first[a])
+        for k in range(first[a], first[a + 1]):
+            i = order[k]
+            arm_out[i] = reference[i] + vec64(u[i]) - center
+
+    @kit.kernel(METHOD)
+    def spread(
+        colour: wp.int32,
+        mode: wp.int32,
+        # Model:
+        aggregate: counts,
+        colours: counts,
+        free: wp.array(dtype=vec),
+        # State in:
+        arm: wp.array(dtype=vec64),
+        # Out:
+        x_out: wp.array(dtype=vec64),
+    ):
+        """One motion of all the aggregates of a colour at once."""
+        i = wp.tid()
+        a = aggregate[i]
+        x_out[i] = vec64()
+        if a < 0:
+            return
+        if colours[a] == colour:
+            unit = modes()
+            unit[mode] = real64(1.0)
+            x_out[i] = wp.cw_mul(vec64(free[i]), motion(arm[i], unit))
+
+    @kit.kernel(METHOD)
+    def restrict(
+        on: counts,
+        place: wp.int32,
+        # Model:
+        first: counts,
+        order: counts,
+        free: wp.array(dtype=vec),
+        # State in:
+        arm: wp.array(dtype=vec64),
+        r: wp.array(dtype=vec64),
+        # Out:
+        wrench_out: wp.array(dtype=modes),
+    ):
+        """Forces and moments on the aggregates, from a place on."""
+        a = wp.tid()
+        if on[0] == 0:
+            return
+        total = modes()
+        for k in range(first[a], first[a + 1]):
+            i = order[k]
+            total += wrench(arm[i], wp.cw_mul(vec64(free[i]), r[i]))
+        wrench_out[place + a] = total
+
+    @kit.kernel(METHOD)
+    def respond(
+        on: counts,
+        by_columns: wp.int32,
+        # Model:
+        row_first: counts,
+        row_block: counts,
+        row_count: counts,
+        # State in:
+        inverse: numbers,
+        wrenches: numbers,
+        # Out:
+        motion_out: numbers,
+    ):
+        """A row of the inverse, of its body's block, times forces and moments, in four strands for speed.
+
+        The block is symmetric: threads side by side read elements side by side if it is read by columns.
+        """
+        row = wp.tid()
+        if on[0] == 0:
+            return
+        first = row_first[row]
+        count = row_count[row]
+        along = 1
+        k = row_block[row] + (row - first) * count
+        if by_columns != 0:
+            along = count
+            k = row_block[row] + row - first
+        a = real64(0.0)
+        b = real64(0.0)
+        c = real64(0.0)
+        e = real64(0.0)
+        column = first
+        last = first + count
+        while column + 3 < last:
+            a += inverse[k] * wrenches[column]
+            b += inverse[k + along] * wrenches[column + 1]
+            c += inverse[k + 2 * along] * wrenches[column + 2]
+            e += inverse[k + 3 * along] * wrenches[column + 3]
+            k += 4 * along
+            column += 4
+        while column < last:
+            a += inverse[k] * wrenches[column]
+            k += along
+            column += 1
+        motion_out[row] = (a + b) + (c + e)
+
+    @kit.kernel(METHOD)
+    def prolong(
+        on: counts,
+        # Model:
+        aggregate: counts,
+        free: wp.array(dtype=vec),
+        # State in:
+        arm: wp.array(dtype=vec64),
+        motions: wp.array(dtype=modes),
+        # Out:
+        z_out: wp.array(dtype=vec64),
+    ):
+        """The motions of the aggregates, added to what is there."""
+        i = wp.tid()
+        if on[0] == 0:
+            return
+        a = aggregate[i]
+        if a >= 0:
+            z_out[i] = z_out[i] + wp.cw_mul(vec64(free[i]), motion(arm[i], motions[a]))
+
+    made = (arms, spread, restrict, respond, prolong)
+    return SimpleNamespace(**{kernel.func.__name__: kernel for kernel in made})
