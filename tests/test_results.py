@@ -64,22 +64,43 @@ def test_energies_and_their_drift() -> None:
         "potential": 1,
         "work": 4.5,
         "dissipated": 0.5,
+        "unaccounted": -1.0,
         "drift": pytest.approx(1.0 / 5.0),
     }
 
 
-def test_what_fluids_lose_is_dissipated() -> None:
-    """The balance falls from 1 to 0.5, beside what damping has taken."""
+def test_what_fluids_lose_is_unaccounted() -> None:
+    """The balance falls from 1 to 0.5, beside what damping has taken; that is the last number of the history."""
     rows = (0, 0, 0, 1, 0, 0), (2, 0, 0, 1, 4, 0.25), (3, 0, 0, 1, 4, 0.5)
     record = energy_record(history(*rows), fluids=True)
-    assert (record["dissipated"], record["work"], record["drift"]) == (1.0, 4.0, None)
+    assert (record["dissipated"], record["unaccounted"], record["drift"]) == (0.5, 0.5, None)
     kept = energy_record(history(*rows))
-    assert (kept["dissipated"], kept["drift"]) == (0.5, pytest.approx(1.75 / 4.0))
+    assert (kept["unaccounted"], kept["drift"]) == (0.5, pytest.approx(1.75 / 4.0))
 
 
 def test_a_scene_at_rest_does_not_drift() -> None:
     assert energy_record(history())["drift"] == 0.0
     assert energy_record(History(history().labels)) == {}
+
+
+def test_a_summary_in_words() -> None:
+    summary = RunSummary(
+        case="beam",
+        status="done",
+        steps=50,
+        time=0.5,
+        wall_seconds=2.0,
+        particles={"beam": 1024},
+        particle_steps_per_second={"solid": 1e7, "fluid": None},
+        measurements=[row(reference=1.0), row(measure="time_at", unit="s", at=1e9)],
+        energy={"kinetic": 1.0, "potential": 0.0, "drift": 1e-9},
+    )
+    lines = str(summary).splitlines()
+    assert lines[0].startswith("beam: 50 steps, 0.5 s simulated in 2 s (10 million particle-steps a second), energy dr")
+    assert lines[0].endswith("; done")
+    assert lines[1:3] == ["particles: beam 1024", "energy [J/m]: kinetic 1"]
+    assert "(reference 1, " in lines[3]
+    assert "never reaches" in lines[4]
 
 
 def test_a_summary_reads_back(tmp_path: Path) -> None:

@@ -24,8 +24,9 @@ class Energy:
         elastic: Stored in the bodies.
         contact: Stored in contacts between particles.
         potential: In gravity, measured from any fixed level.
-        work: Done so far on the particles by loads and by moving supports.
-        dissipated: Taken out so far by damping.
+        work: Done so far on the particles by loads, moving supports and walls.
+        dissipated: Taken out so far by damping, friction and viscous materials of the bodies, counted in every step.
+            What fluids lose by viscosity and impacts is not in it, for nothing counts it.
     """
 
     kinetic: float

@@ -14,6 +14,7 @@ from warp_mps.errors import InputError
 from warp_mps.files import write_whole
 from warp_mps.history import History
 from warp_mps.measure import evaluate
+from warp_mps.wording import outline
 
 if TYPE_CHECKING:
     from warp_mps.scene import Measurement, Scene
@@ -39,7 +40,8 @@ class RunSummary:
         time: Simulated time [s].
         wall_seconds: Wall time of the steps since the start, or since the last time the run was resumed [s].
         particle_steps_per_second: Speed over that time [1/s], under ``solid`` and ``fluid``.
-        energy: Energies at the end and ``drift``, None with fluids; see :func:`energy_record`.
+        energy: Energies at the end, what is ``unaccounted`` for, and ``drift``, None with fluids; see
+            :func:`energy_record`.
         momentum_error: Largest resultant of the internal forces in a frame since then, as a part of the largest sum of
             their magnitudes [-].
         fluid: Of fluids, particles `lost`, iterations and largest true residual of the pressure solves, and how many
@@ -72,6 +74,10 @@ class RunSummary:
     coupling: dict[str, float] = field(default_factory=dict)
     measurements: list[dict[str, Any]] = field(default_factory=list)
 
+    def __str__(self) -> str:
+        """A few lines: how far it came, how fast, its energies at the end, and its measurements."""
+        return outline(self)
+
     def write(self, path: str | Path) -> None:
         """Write run.json in one atomic step; a number that is not finite becomes null."""
         text = json.dumps(_finite(dataclasses.asdict(self)), indent=2, allow_nan=False)
@@ -99,9 +105,11 @@ def read_summary(path: str | Path) -> RunSummary:
 def energy_record(history: History, *, fluids: bool = False) -> dict[str, float | None]:
     """Energies at the end of a history and their relative drift.
 
-    The drift is the largest change of the energy balance (:class:`warp_mps.energy.Energy`), divided by the largest
-    of the energy that motion and deformation held and of the work put in. Fluids lose energy by viscosity, impacts and
-    collisions, which nothing counts: what the balance has lost is then dissipated, and there is no drift.
+    What was ``dissipated`` is as in probes.csv, and ``unaccounted`` is what the energy balance
+    (:class:`warp_mps.energy.Energy`) has lost since the start beside it, that nothing counts: held - work + dissipated
+    + unaccounted stays what it was. The drift is the largest change of the balance, divided by the largest of the
+    energy that motion and deformation held and of the work put in. Fluids lose energy by viscosity, impacts and
+    collisions, all unaccounted, so that their runs have no drift.
 
     Args:
         history: The energies.
@@ -111,8 +119,8 @@ def energy_record(history: History, *, fluids: bool = False) -> dict[str, float 
     if not energies:
         return {}
     record: dict[str, float | None] = {name: getattr(energies[-1], name) for name in ENERGY_NAMES}
+    record["unaccounted"] = energies[0].balance - energies[-1].balance
     if fluids:
-        record["dissipated"] = energies[-1].dissipated + energies[0].balance - energies[-1].balance
         record["drift"] = None
         return record
     scale = max(max(energy.exchanged, abs(energy.work)) for energy in energies)

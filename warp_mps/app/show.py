@@ -19,11 +19,10 @@ from warp_mps.observers.sampling import make_sampler
 from warp_mps.particles import Particles, fill_scene, select_held
 from warp_mps.results import RunSummary
 from warp_mps.scene import Load, Scene, Support
+from warp_mps.wording import duration, headline, percent
 
 WIDE = 200
 ROOM_FOR_SOURCES = 130
-# a relative error that is smaller is one of rounding
-ROUNDING = 1e-13
 
 
 def show_cases() -> int:
@@ -102,13 +101,7 @@ def part_lines(scene: Scene, particles: Particles) -> list[str]:
 def show_summary(summary: RunSummary, folder: Path) -> None:
     """Print how a run went and where its results are."""
     out = console()
-    speed = sum(value or 0.0 for value in summary.particle_steps_per_second.values())
-    out.print(
-        f"{summary.case}: {summary.steps} steps, {summary.time:.6g} s simulated in {duration(summary.wall_seconds)} "
-        f"({speed / 1e6:.3g} million particle-steps a second), {_account(summary)}",
-        highlight=False,
-        soft_wrap=True,
-    )
+    out.print(headline(summary), highlight=False, soft_wrap=True)
     if summary.measurements:
         show_measurements([(summary.case, row) for row in summary.measurements])
     out.print(f"results in {folder}", highlight=False, soft_wrap=True)
@@ -121,20 +114,6 @@ def _kind(scene: Scene) -> str:
         return f"{kind}, model {scene.elasticity.model}" if scene.bodies else kind
     kind = "3-D" if scene.dimension == 3 else f"2-D, plane {scene.plane}"
     return f"{kind}, model {scene.elasticity.model}"
-
-
-def _account(summary: RunSummary) -> str:
-    """What tells of the accuracy of a run: its energy, or with fluids, which lose some, the pressure solves."""
-    if not summary.fluid:
-        return f"energy drift {percent(summary.energy.get('drift'))}"
-    lost, unsolved = (int(summary.fluid.get(name, 0)) for name in ("lost", "unsolved"))
-    text = f"{summary.fluid.get('pressure_iterations', 0.0):.3g} iterations a pressure solve"
-    text += f", {unsolved} UNSOLVED" if unsolved else ""
-    if summary.coupling:
-        disagreed = int(summary.coupling.get("disagreed", 0))
-        text += f", {summary.coupling.get('passes', 0.0):.3g} passes a step between water and bodies"
-        text += f", {disagreed} steps DISAGREED" if disagreed else ""
-    return text + (f", {lost} particles lost" if lost else "")
 
 
 def show_measurements(rows: Sequence[tuple[str, dict[str, Any]]]) -> None:
@@ -175,21 +154,5 @@ def _table(*columns: str) -> Table:
     return table
 
 
-def percent(value: float | None) -> str:
-    """A relative error as text; nothing where there is none."""
-    if value is None:
-        return ""
-    if abs(value) < ROUNDING:
-        return "0 %"
-    return f"{100.0 * value:+.2f} %" if abs(value) >= 5e-5 else f"{100.0 * value:+.1e} %"
-
-
 def _bytes(value: float) -> str:
     return f"{value / 2**30:.3g} GiB" if value >= 2**30 else f"{value / 2**20:.3g} MiB"
-
-
-def duration(seconds: float) -> str:
-    """A time as text, in the unit that suits it."""
-    if seconds < 120.0:
-        return f"{seconds:.2g} s"
-    return f"{seconds / 60.0:.0f} min" if seconds < 7200.0 else f"{seconds / 3600.0:.1f} h"

@@ -54,6 +54,9 @@ class VelocityField:
 class HarmonicMotion:
     """A prescribed displacement amplitude * (sin(2 pi f t + phase) - sin(phase)), zero at t = 0.
 
+    With a phase of 0 it sets out at its full speed, 2 pi f amplitude, which is an impact on what it touches; with a
+    phase of pi/2 or -pi/2 from rest, to the other side of the amplitude or to its own.
+
     Attributes:
         amplitude: Amplitude of each component [m].
         frequency: Frequency f [Hz].
@@ -84,6 +87,8 @@ class TableMotion:
 @dataclass(frozen=True, kw_only=True)
 class HarmonicRotation:
     """A prescribed turn by an angle amplitude * (sin(2 pi f t + phase) - sin(phase)), zero at t = 0.
+
+    With a phase of 0 it sets out at its full rate, 2 pi f amplitude, with one of pi/2 or -pi/2 from rest.
 
     Attributes:
         amplitude: Amplitude [rad].

@@ -8,8 +8,8 @@ from html import escape
 from typing import Any
 
 from warp_mps.app.report.gather import Run
-from warp_mps.app.show import duration, percent
 from warp_mps.energy import ENERGY_NAMES
+from warp_mps.wording import duration, percent
 
 STATES = {
     "done": "finished",
@@ -127,7 +127,9 @@ def accounts(run: Run) -> str:
         for name, words in ENERGY_NAMES.items()
         if summary.energy.get(name)
     ]
-    drift = summary.energy.get("drift")
+    drift, lost = summary.energy.get("drift"), summary.energy.get("unaccounted")
+    if drift is None and lost:
+        rows.append(("unaccounted: lost by impacts, collisions and viscosity of the fluid", number(lost), unit))
     if drift is not None:
         rows.append(("change of the energy balance, largest, over the largest energy or work", percent(drift), ""))
     if summary.momentum_error is not None:
