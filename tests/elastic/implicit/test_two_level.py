@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -48,7 +49,15 @@ class System:
         return solver.read_statistics()
 
 
-def system(scene: Scene, fixed: Box, *, bend: float = 0.0, inertia: float = 0.0, precision: str = "float64") -> System:
+def system(
+    scene: Scene,
+    fixed: Box,
+    *,
+    bend: float = 0.0,
+    inertia: float = 0.0,
+    precision: str = "float64",
+    parallel: bool | None = None,
+) -> System:
     """Bodies that are held in a region, bent to a curvature [1/m] and turned."""
     held = strain(scene, precision)
     particles = held.particles
@@ -65,18 +74,19 @@ def system(scene: Scene, fixed: Box, *, bend: float = 0.0, inertia: float = 0.0,
     mass = wp.array(particles.masses, dtype=numbers.real, device="cpu")
     factor = wp.array([inertia], dtype=wp.float64, device="cpu")
     made = Tangent(held.model, mass, clamped, factor, kit=numbers, device="cpu")
-    two_level = TwoLevel(made, held.model, particles, held.state, clamped, factor, kit=numbers, device="cpu")
+    options: dict[str, Any] = {"kit": numbers, "device": "cpu", "parallel": parallel}
+    two_level = TwoLevel(made, held.model, particles, held.state, clamped, factor, **options)
     made.prepare(made.operator, mass)
     two_level.renew()
     return System(held, clamped, made, two_level)
 
 
-def beam(*counts: int, **options: float) -> System:
+def beam(*counts: int, **options: Any) -> System:
     """A bar of rubber with as many particles along each axis, held at its left end."""
     size = 0.01 * np.array(counts)
     body = block(len(counts), shape=Box(tuple(size)))
     clamp = Box((0.06, 1.0, 1.0)[: len(counts)], center=(-0.5 * size[0], 0.0, 0.0)[: len(counts)])
-    return system(scene_of(body, dimension=len(counts), elasticity=HAMILTONIAN), clamp, **options)  # type: ignore[arg-type]
+    return system(scene_of(body, dimension=len(counts), elasticity=HAMILTONIAN), clamp, **options)
 
 
 def dense(made: System, *, coarse: bool = True) -> np.ndarray:
@@ -106,9 +116,25 @@ BARS = [(13, 4), (9, 4, 3)]
 @pytest.mark.parametrize("precision", PRECISIONS)
 @pytest.mark.parametrize("counts", BARS)
 def test_it_is_symmetric_and_positive(counts: tuple[int, ...], precision: str) -> None:
-    inverse = dense(beam(*counts, bend=3.0, inertia=1e4, precision=precision))  # type: ignore[arg-type]
+    inverse = dense(beam(*counts, bend=3.0, inertia=1e4, precision=precision))
     np.testing.assert_allclose(inverse, inverse.T, atol=1e-10 * np.abs(inverse).max())
     assert np.linalg.eigvalsh(0.5 * (inverse + inverse.T)).min() > 0.0
+
+
+@pytest.mark.parametrize("counts", [(30, 9), (9, 9, 9)])
+def test_threads_that_share_sums_change_only_their_rounding(
+    counts: tuple[int, ...], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("warp_mps.elastic.implicit.two_level.PARTICLES", 5)
+    one, several = (beam(*counts, bend=2.0, parallel=parallel) for parallel in (False, True))
+    assert len(several.two_level._wrenches) > len(one.two_level._wrenches)
+    r = random(one.fixed.size, seed=6) * ~one.fixed.ravel()
+    found = []
+    for made in (one, several):
+        z = wp.zeros(r.size, dtype=wp.float64, device="cpu")
+        made.two_level.apply(wp.array(r, dtype=wp.float64, device="cpu"), z)
+        found.append(z.numpy())
+    np.testing.assert_allclose(found[1], found[0], atol=1e-8 * np.abs(found[0]).max())
 
 
 @pytest.mark.parametrize("counts", BARS)

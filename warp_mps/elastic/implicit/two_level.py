@@ -40,6 +40,11 @@ SHIFTS = {"float64": 1e-12, "float32": 1e-6}
 # what a renewal takes in iterations: what the host does in any case, one for each product, and for the inversion of m
 # rows as many as m^3 / 20 over the pairs of particles
 HOST, INVERSION = 20.0, 0.05
+# on a GPU an iteration takes as long as on a core of a CPU one of so many pairs, or of one in so many of its own
+LAUNCHES, CORES = 3e4, 50.0
+# particles that a thread of a GPU sums up, and threads that share a row of the inverse: without them, few threads of a
+# few hundred terms each would take longer than the product with the tangent
+PARTICLES, SHARES = 32, 16
 
 
 class TwoLevel:
@@ -59,6 +64,7 @@ class TwoLevel:
         kit: Number types.
         device: Warp device.
         graphs: Whether launches are replayed as graphs.
+        parallel: Whether several threads share a long sum; None is on a GPU.
     """
 
     def __init__(
@@ -73,6 +79,7 @@ class TwoLevel:
         kit: Kit,
         device: Any,
         graphs: bool = True,
+        parallel: bool | None = None,
     ) -> None:
         self._kernels, self._device = two_level_kernels(kit), device
         self._run = Replay(device=device, graphs=graphs)
@@ -85,7 +92,9 @@ class TwoLevel:
         self._matrix = CoarseMatrix(self.aggregates, self._modes)
         groups, matrix = self.aggregates, self._matrix
         self._colours = int(groups.colours.max(initial=-1)) + 1
-        inversion = float(np.sum(matrix.sizes.astype(float) ** 3)) / len(index)
+        self._parallel = wp.get_device(device).is_cuda if parallel is None else parallel
+        pairs = max(LAUNCHES, len(index) / CORES) if self._parallel else len(index)
+        inversion = float(np.sum(matrix.sizes.astype(float) ** 3)) / pairs
         self.renewal = Renewal(HOST + self._colours * self._modes + INVERSION * inversion)
 
         def integers(values: np.ndarray) -> wp.array:
@@ -96,12 +105,17 @@ class TwoLevel:
         self._reference = wp.array(particles.positions, dtype=vec64, device=device)
         self._free = wp.array(~held, dtype=kit.vec, device=device)
         self._of, self._paint = integers(groups.of), integers(groups.colours)
-        self._members = [integers(groups.first), integers(groups.order)]
+        self._first, self._order = integers(groups.first), integers(groups.order)
+        parts, of_aggregate = _parts(groups.first, PARTICLES if self._parallel else self._n)
+        self._part, self._part_first = integers(parts), integers(of_aggregate)
+        self._wrenches = wp.zeros(len(parts) - 1, dtype=self._motion, device=device)
+        self._threads = SHARES if self._parallel else 1
         self._rows = [integers(matrix.first), integers(matrix.block), integers(matrix.size)]
         self._arm = wp.zeros(self._n, dtype=vec64, device=device)
         self._x, self._q = (wp.zeros(held.size, dtype=wp.float64, device=device) for _ in range(2))
         unknowns = groups.count * self._modes
         self._wrench, self._response = (wp.zeros(unknowns, dtype=wp.float64, device=device) for _ in range(2))
+        self._shares = wp.zeros(self._threads * unknowns, dtype=wp.float64, device=device)
         self._answers = wp.zeros(self._colours * self._modes * unknowns, dtype=wp.float64, device=device)
         self._inverse = wp.zeros(matrix.total, dtype=wp.float64, device=device)
         self._on, self._always = wp.zeros(1, dtype=wp.int32, device=device), integers(np.ones(1))
@@ -119,8 +133,9 @@ class TwoLevel:
             return
         kernels, vectors = self._kernels, self._tangent.vectors
         self._restrict(self._on, 0, r, self._wrench)
-        inputs = [self._on, int(wp.get_device(self._device).is_cuda), *self._rows, self._inverse, self._wrench]
-        self._launch(kernels.respond, len(self._wrench), inputs, [self._response])
+        inputs = [self._on, self._threads, int(self._parallel), *self._rows, self._inverse, self._wrench]
+        self._launch(kernels.respond, len(self._shares), inputs, [self._shares])
+        self._launch(kernels.collect, len(self._wrench), [self._on, self._threads, self._shares], [self._response])
         inputs = [self._on, self._of, self._free, self._arm, self._motions(self._response)]
         self._launch(kernels.prolong, self._n, inputs, [vectors(z)])
 
@@ -166,7 +181,9 @@ class TwoLevel:
     def _probe(self) -> None:
         """Forces and moments on the aggregates while those of a colour move."""
         kernels, tangent = self._kernels, self._tangent
-        self._launch(kernels.arms, self.aggregates.count, [*self._members, self._reference, self._state.u], [self._arm])
+        self._launch(
+            kernels.arms, self.aggregates.count, [self._first, self._order, self._reference, self._state.u], [self._arm]
+        )
         for colour in range(self._colours):
             for mode in range(self._modes):
                 inputs = [colour, mode, self._of, self._paint, self._free, self._arm]
@@ -176,8 +193,10 @@ class TwoLevel:
                 self._restrict(self._always, place, self._q, self._answers)
 
     def _restrict(self, on: wp.array, place: int, r: wp.array, out: wp.array) -> None:
-        inputs = [on, place, *self._members, self._free, self._arm, self._tangent.vectors(r)]
-        self._launch(self._kernels.restrict, self.aggregates.count, inputs, [self._motions(out)])
+        inputs = [on, self._part, self._order, self._free, self._arm, self._tangent.vectors(r)]
+        self._launch(self._kernels.restrict, len(self._wrenches), inputs, [self._wrenches])
+        inputs = [on, place, self._part_first, self._wrenches]
+        self._launch(self._kernels.gather, self.aggregates.count, inputs, [self._motions(out)])
 
     def _motions(self, flat: wp.array) -> wp.array:
         """The memory of coarse unknowns as those of one aggregate after the other."""
@@ -186,3 +205,11 @@ class TwoLevel:
 
     def _launch(self, kernel: Any, n: int, inputs: list[Any], outputs: list[Any]) -> None:
         wp.launch(kernel, n, inputs, outputs, device=self._device)
+
+
+def _parts(first: np.ndarray, most: int) -> tuple[np.ndarray, np.ndarray]:
+    """First places of parts of aggregates of at most so many particles, and the first part of each aggregate."""
+    counts = -(-np.diff(first) // most)
+    of_aggregate = np.concatenate(([0], np.cumsum(counts)))
+    within = np.arange(of_aggregate[-1]) - np.repeat(of_aggregate[:-1], counts)
+    return np.append(np.repeat(first[:-1], counts) + within * most, first[-1]), of_aggregate

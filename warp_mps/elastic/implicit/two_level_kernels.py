@@ -11,7 +11,7 @@ from warp_mps.elastic.implicit.tangent import METHOD
 
 @functools.cache
 def two_level_kernels(kit: Kit) -> SimpleNamespace:
-    """Kernels `arms`, `spread`, `restrict`, `respond` and `prolong`.
+    """Kernels `arms`, `spread`, `restrict`, `gather`, `respond`, `collect` and `prolong`.
 
     A motion of an aggregate is a velocity of its centre and an angular velocity about it, 3 numbers in 2-D and 6 in
     3-D; what does work on it is a force and a moment. Nothing is done while `on` is 0.
@@ -96,7 +96,6 @@ def two_level_kernels(kit: Kit) -> SimpleNamespace:
     @kit.kernel(METHOD)
     def restrict(
         on: counts,
-        place: wp.int32,
         # Model:
         first: counts,
         order: counts,
@@ -107,19 +106,40 @@ def two_level_kernels(kit: Kit) -> SimpleNamespace:
         # Out:
         wrench_out: wp.array(dtype=modes),
     ):
-        """Forces and moments on the aggregates, from a place on."""
+        """Forces and moments on parts of the aggregates."""
+        part = wp.tid()
+        if on[0] == 0:
+            return
+        total = modes()
+        for k in range(first[part], first[part + 1]):
+            i = order[k]
+            total += wrench(arm[i], wp.cw_mul(vec64(free[i]), r[i]))
+        wrench_out[part] = total
+
+    @kit.kernel(METHOD)
+    def gather(
+        on: counts,
+        place: wp.int32,
+        # Model:
+        first: counts,
+        # State in:
+        parts: wp.array(dtype=modes),
+        # Out:
+        wrench_out: wp.array(dtype=modes),
+    ):
+        """Those on the parts of an aggregate together, from a place on."""
         a = wp.tid()
         if on[0] == 0:
             return
         total = modes()
         for k in range(first[a], first[a + 1]):
-            i = order[k]
-            total += wrench(arm[i], wp.cw_mul(vec64(free[i]), r[i]))
+            total += parts[k]
         wrench_out[place + a] = total
 
     @kit.kernel(METHOD)
     def respond(
         on: counts,
+        shares: wp.int32,
         by_columns: wp.int32,
         # Model:
         row_first: counts,
@@ -131,26 +151,30 @@ def two_level_kernels(kit: Kit) -> SimpleNamespace:
         # Out:
         motion_out: numbers,
     ):
-        """A row of the inverse, of its body's block, times forces and moments, in four strands for speed.
+        """A share of a row of the inverse, of its body's block, times forces and moments, in four strands for speed.
 
         The block is symmetric: threads side by side read elements side by side if it is read by columns.
         """
-        row = wp.tid()
+        t = wp.tid()
         if on[0] == 0:
             return
-        first = row_first[row]
+        rows = row_first.shape[0]
+        row = t % rows
+        share = t // rows
         count = row_count[row]
+        before = share * count // shares
+        first = row_first[row] + before
+        last = row_first[row] + (share + 1) * count // shares
         along = 1
-        k = row_block[row] + (row - first) * count
+        k = row_block[row] + (row - row_first[row]) * count + before
         if by_columns != 0:
             along = count
-            k = row_block[row] + row - first
+            k = row_block[row] + row - row_first[row] + before * count
         a = real64(0.0)
         b = real64(0.0)
         c = real64(0.0)
         e = real64(0.0)
         column = first
-        last = first + count
         while column + 3 < last:
             a += inverse[k] * wrenches[column]
             b += inverse[k + along] * wrenches[column + 1]
@@ -162,7 +186,18 @@ def two_level_kernels(kit: Kit) -> SimpleNamespace:
             a += inverse[k] * wrenches[column]
             k += along
             column += 1
-        motion_out[row] = (a + b) + (c + e)
+        motion_out[t] = (a + b) + (c + e)
+
+    @kit.kernel(METHOD)
+    def collect(on: counts, shares: wp.int32, parts: numbers, motion_out: numbers):
+        """The shares of a row together."""
+        row = wp.tid()
+        if on[0] == 0:
+            return
+        total = real64(0.0)
+        for share in range(shares):
+            total += parts[share * motion_out.shape[0] + row]
+        motion_out[row] = total
 
     @kit.kernel(METHOD)
     def prolong(
@@ -184,5 +219,5 @@ def two_level_kernels(kit: Kit) -> SimpleNamespace:
         if a >= 0:
             z_out[i] = z_out[i] + wp.cw_mul(vec64(free[i]), motion(arm[i], motions[a]))
 
-    made = (arms, spread, restrict, respond, prolong)
+    made = (arms, spread, restrict, gather, respond, collect, prolong)
     return SimpleNamespace(**{kernel.func.__name__: kernel for kernel in made})
