@@ -147,11 +147,14 @@ def particle_kernels(kit: Kit) -> SimpleNamespace:
                 coupled = real64(0.0)
                 for entry in range(first[i], first[i] + count[i]):
                     there = cell[index[entry]]
-                    to = slot(nearest(there - here, dims, wraps))
-                    if to >= 0:
-                        sums[to] += real64(value[entry])
                     if there[0] >= 0:
-                        coupled += real64(value[entry])
+                        v = real64(value[entry])
+                        coupled += v
+                        to = slot(there - here)
+                        if to < 0:
+                            to = slot(nearest(there - here, dims, wraps))
+                        if to >= 0:
+                            sums[to] += v
                 share = wp.clamp(coupled / row_total, real64(0.0), real64(1.0))
                 share_out[i] = share
                 total += row_total
