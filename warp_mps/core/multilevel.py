@@ -29,7 +29,7 @@ import warp as wp
 from warp_mps.core.kit import Kit
 from warp_mps.core.multilevel_cells import cell_kernels
 from warp_mps.core.multilevel_grid import METHOD, cell_type, corner_type
-from warp_mps.core.multilevel_particles import particle_kernels
+from warp_mps.core.multilevel_particles import WALK, particle_kernels
 from warp_mps.core.multilevel_tables import Along, halved, interpolation, surroundings, transpose
 from warp_mps.core.solver import Matrix
 
@@ -144,7 +144,7 @@ class Multilevel:
         outputs = [self._bin, self._order, self._between, self._cell, self._weight]
         self._launch(particles.locate, self._n, [*self._box, self._bins, inverse, self._positions], outputs)
         wp.utils.radix_sort_pairs(self._bin, self._order, self._n, end_bit=self._bins.bit_length())
-        self._launch(particles.find_starts, self._bins + 1, [self._n, self._bin], [self._start])
+        self._launch(particles.find_starts, self._bins // WALK + 1, [self._n, self._bins, self._bin], [self._start])
         rows = [matrix.first, matrix.count, matrix.index, matrix.value, matrix.diagonal]
         inputs = [*self._grid, self._scale, *rows, self._start, self._order, self._cell]
         self._launch(particles.gather, top.size, inputs, [self._share, *top.matrix])

@@ -11,6 +11,9 @@ from warp_mps.core.multilevel_grid import DAMPING, METHOD, cell_type, corner_typ
 # Excess of the diagonal, relative to it, that is taken for none.
 ROUNDING = 1.0e-10
 
+# Bins that one thread finds the first unknowns of: it looks for the first, and goes on from there.
+WALK = 8
+
 # Cell of a row that is no unknown: far from all others.
 NOWHERE = -1_000_000
 
@@ -93,19 +96,22 @@ def particle_kernels(kit: Kit) -> SimpleNamespace:
         weight_out[i] = weight
 
     @kit.kernel(METHOD)
-    def find_starts(n: wp.int32, bin: counts, start_out: counts):
-        """First of the sorted unknowns in each bin, or in a later one where it is empty."""
-        b = wp.tid()
+    def find_starts(n: wp.int32, bins: wp.int32, bin: counts, start_out: counts):
+        """First of the sorted unknowns in each of a few bins, or in a later one where it is empty."""
+        first = WALK * wp.tid()
         low = wp.int32(0)
         high = n
         # not `wp.lower_bound`, which gives n - 1 where all are smaller
         while low < high:
             middle = (low + high) // 2
-            if bin[middle] < b:
+            if bin[middle] < first:
                 low = middle + 1
             else:
                 high = middle
-        start_out[b] = low
+        for b in range(first, wp.min(first + WALK, bins + 1)):
+            while low < n and bin[low] < b:
+                low += 1
+            start_out[b] = low
 
     @kit.kernel(METHOD)
     def gather(
