@@ -179,6 +179,8 @@ def test_what_a_fluid_lacks_is_remarked() -> None:
     assert line.startswith("/World/Shelf: is 2 particles thick")
     assert "3 keep it apart" in line
     assert remarks(Scene(bodies=(block(2),), duration=1.0)) == []
+    assert remarks(scene(duration=0.02, frame_rate=0.5))[0].startswith("ends at 2 s: ")
+    assert remarks(scene(duration=0.02, frame_rate=0.5, sample_rate=50.0)) == []
 
 
 def test_a_fluid_inside_a_wall_is_refused() -> None:

@@ -222,8 +222,11 @@ def _table(
     """Check a table whose rows have a shape; `names` are those of the motion and of its rows."""
     times, at, of_rows = np.asarray(instants, float), f"{names[0]}.times", f"{names[0]}.{names[1]}"
     _require(times.ndim == 1 and len(times) >= 2, where, at, "must hold at least two times")
-    finite = bool(np.all(np.isfinite(times)))
-    _require(finite and bool(np.all(np.diff(times) > 0.0)), where, at, "must be finite and increase")
+    good = np.isfinite(times) & (times > np.roll(times, 1))
+    good[0] = np.isfinite(times[0])
+    worst = int(np.argmin(good))
+    reason = f"has {times[worst]:g} s after {times[max(worst - 1, 0)]:g} s, must be finite and increase"
+    _require(bool(good.all()), where, at, reason)
     reason = (
         f"has shape {rows.shape}, must have one {'vector' if shape else 'number'} for each of the {len(times)} times"
     )

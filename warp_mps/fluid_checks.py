@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 
 # two directions are at right angles when the cosine between them is no larger
 RIGHT_ANGLE = 1e-6
+# how much longer than asked for a run may take without a remark
+LONGER = 1.05
 
 
 def check_fluids(scene: Scene) -> None:
@@ -47,6 +49,10 @@ def remarks(scene: Scene) -> list[str]:
     lines = [] if scene.walls else ["no walls: nothing holds the fluid"]
     if not any(scene.gravity):
         lines.append("no gravity: the fluid has no weight")
+    interval = 1.0 / (scene.sample_rate or scene.frame_rate)
+    end = interval * math.ceil(scene.duration / interval - 1e-6)
+    if end > LONGER * scene.duration:
+        lines.append(f"ends at {end:g} s: a run of fluids takes whole intervals between two rows, of {interval:g} s")
     lines += [line for wall in scene.walls for line in _thin(wall, scene)]
     return [*lines, *remarks_on_bodies(scene)]
 

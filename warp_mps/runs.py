@@ -82,7 +82,7 @@ def run_scene(
         longest, limit = simulation.longest_step
         if longest > limit:
             _say(f"the time step of {longest:.4g} s is above the limit of {limit:.4g} s: expect an unstable run")
-        for line in [] if quiet else remarks(scene):
+        for line in [] if quiet else [*remarks(scene), *_closed(simulation)]:
             _say(line)
         if checkpoint is not None:
             simulation.restore(checkpoint.arrays)
@@ -239,6 +239,15 @@ def _provenance(simulation: Simulation) -> dict[str, str | float | int]:
         "precision": simulation.precision,
         "time step [s]": simulation.dt,
     }
+
+
+def _closed(simulation: Simulation) -> list[str]:
+    """A line about a fluid that walls enclose, and that pulls at them where it has its place."""
+    scene = simulation.scene
+    if not scene.fluids or scene.bodies or scene.flow.negative_pressure != "clipped":
+        return []
+    reason = "no free surface: a fluid that fills its walls needs negative pressures, and they are 'clipped'"
+    return [reason] * simulation.fluids.is_closed()
 
 
 def _say(message: str) -> None:

@@ -107,6 +107,21 @@ def test_a_body_in_a_corner_touches_both_walls_and_none_of_them_before() -> None
         assert force.any() == touches
 
 
+def test_walls_off_each_others_lattice_are_not_too_many_for_a_body_in_their_corner() -> None:
+    l0 = 0.01
+
+    def between(low: tuple[float, ...], high: tuple[float, ...]) -> Box:
+        return Box(np.subtract(high, low) * l0, 0.5 * np.add(low, high) * l0)
+
+    # 8.6 spacings hold nine rows, the lowest 0.8 spacings above the floor's uppermost
+    corners = {"floor": ((-3, -3, -3), (8, 8, 0)), "x": ((-3, -3, 0), (0, 8, 8.6)), "y": ((-3, -3, 0), (8, 0, 8.6))}
+    walls = tuple(Wall(name=name, shape=between(*ends), spacing=l0) for name, ends in corners.items())
+    cube = Body(name="cube", shape=between((0, 0, 0), (6, 6, 6)), material=RUBBER, spacing=l0)
+    simulation = Simulation(scene_of(cube, dimension=3, walls=walls))
+    simulation.advance(1)
+    assert simulation.solid.trouble() is None
+
+
 def landed(shift: float) -> Simulation:
     """A block that falls on a rigid wall, whose lattice is shifted so far against the block's, and leaves it again."""
     floor = Wall(name="floor", shape=Box((0.16, 0.02), (0.005 * shift, -0.01)), spacing=0.005)

@@ -42,6 +42,20 @@ def frames(folder: Path, name: str) -> dict[float, np.ndarray]:
     return {code: np.array(attribute.Get(code)) for code in attribute.GetTimeSamples()}
 
 
+def test_water_that_fills_its_walls_is_remarked(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """It pulls at the lid; what it may do, and how much room it has, decide, and the remark changes nothing."""
+    shut = tank((6, 6), lid=True, duration=0.01)
+    for scene, remarked in (
+        (shut, True),
+        (replace(shut, flow=Flow(negative_pressure="allowed")), False),
+        (tank((6, 6), room=(6, 7), lid=True, duration=0.01), False),
+    ):
+        run_scene(scene, tmp_path / "said", overwrite=True)
+        assert ("warp-mps: no free surface: " in capsys.readouterr().err) == remarked
+        run_scene(scene, tmp_path / "quiet", quiet=True, overwrite=True)
+        assert (tmp_path / "said" / "probes.csv").read_text() == (tmp_path / "quiet" / "probes.csv").read_text()
+
+
 @pytest.mark.parametrize("first", [0.06, 0.05])
 def test_a_run_in_two_parts_is_the_run_in_one(
     scene: Scene, tmp_path: Path, first: float, monkeypatch: pytest.MonkeyPatch

@@ -124,12 +124,7 @@ class WetFluids(Fluids):
 
     def _refuse_closed(self) -> None:
         """Refuse water without a free surface: it finds its volume, which no particles hold exactly, in the bodies."""
-        shown = wp.clone(self.state.n)
-        self._dt.fill_(self._longest)
-        self._assemble()
-        wp.copy(self.state.n, shown)
-        assert self._matrix.singular is not None
-        if self._matrix.singular.numpy()[0]:
+        if self.is_closed():
             reason = "leaves no free surface between walls and elastic bodies: give the water some room"
             raise InputError(self._source, "shape", reason)
 

@@ -82,13 +82,14 @@ def _half_space(dimension: int, spacing: float, support: float) -> np.ndarray:
     return np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, dimension)
 
 
-def capacity(dimension: int, reach: float, spacing: float) -> int:
+def capacity(dimension: int, reach: float, spacing: float, crowding: float = 0.0) -> int:
     """Room for the particles of other bodies that one can be near to, unless bodies are crushed into each other.
 
     Args:
         dimension: 2 or 3.
         reach: Distance within which they are listed [m].
         spacing: Spacing of the finest other body [m].
+        crowding: How much of the surroundings they take up where that is much, in units of a full lattice.
     """
     ball = {2: math.pi, 3: 4.0 * math.pi / 3.0}[dimension] * (reach / spacing) ** dimension
-    return math.ceil(FILLED * ball) + SPARE
+    return math.ceil(max(FILLED, crowding) * ball) + SPARE

@@ -1,5 +1,7 @@
 """Contact on a given set of particles: its grid, its candidate list and the launches that use them."""
 
+import itertools
+import math
 from typing import Any
 
 import numpy as np
@@ -178,11 +180,33 @@ class Contacts:
     def _room(self, particles: Particles) -> np.ndarray:
         """Room in the list for the candidates of each particle, shape [n]."""
         kinds, kind = np.unique(particles.spacings, return_inverse=True)
-        room = [
-            max(capacity(particles.dimension, SUPPORT * max(own, other) + self._margin, other) for other in kinds)
-            for own in kinds
-        ]
-        return np.array(room)[kind]
+
+        def rooms(crowding: float) -> np.ndarray:
+            reach = {(own, other): SUPPORT * max(own, other) + self._margin for own in kinds for other in kinds}
+            needs = [[capacity(particles.dimension, reach[a, b], b, crowding) for b in kinds] for a in kinds]
+            return np.max(needs, axis=1)[kind]
+
+        found = rooms(0.0)
+        # in a corner walls take up nearly all that is about a particle
+        found[: particles.elastic] = rooms(_crowding(particles, self._reach))[: particles.elastic]
+        return found
+
+
+def _crowding(particles: Particles, reach: float) -> float:
+    """Most particles of walls in a cube as wide as a reach, in units of a lattice's, at least 1; 0 without corners.
+
+    There are more than a lattice's where walls meet, each on its own.
+    """
+    own = slice(particles.elastic, particles.count - particles.liquid)
+    places, d = particles.positions[own], particles.dimension
+    if len(np.unique(particles.bodies[own])) < 2:
+        return 0.0
+    most = 0
+    for shift in itertools.product((0.0, 0.5), repeat=d):
+        cells = np.floor((places - places.min(axis=0)) / reach + shift).astype(np.int64)
+        _, counts = np.unique(np.ravel_multi_index(cells.T, cells.max(axis=0) + 1), return_counts=True)
+        most = max(most, int(counts.max()))
+    return max(1.0, most / math.ceil(reach / float(particles.spacings[own].min())) ** d)
 
 
 def _laws(particles: Particles) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -154,6 +154,15 @@ class Fluids(FluidFailures):
         self._place(self.state.time)
         self.lists.renew(self.state.x, self.state.lost)
 
+    def is_closed(self) -> bool:
+        """Whether the fluid has no free surface as it starts."""
+        shown = wp.clone(self.state.n)
+        self._dt.fill_(self._longest)
+        self._assemble()
+        wp.copy(self.state.n, shown)
+        assert self._matrix.singular is not None
+        return bool(self._matrix.singular.numpy()[0])
+
     def advance(self, time: float) -> int:
         """Advance to a time [s], and return the number of steps that it took.
 
