@@ -18,6 +18,8 @@ from warp_mps.app.colours import Colouring
 
 # strips around the scene in a picture that is large enough [px]: left, top, right, bottom
 STRIPS = (28.0, 58.0, 132.0, 52.0)
+# width of a letter [px], of a point of its size
+PIXELS_OF_LETTER = 0.84
 LARGEST, SMALLEST, LEAST_FIELD = (1280, 800), (160, 120), (460.0, 200.0)
 
 
@@ -115,7 +117,10 @@ class Sheet:
         bar.outline.set_visible(False)
         bar.ax.tick_params(labelsize=10.0 * unit, length=3.0 * unit, width=0.8 * unit, pad=3.0 * unit)
         bar.ax.grid(False)
-        bar.set_label(colouring.label, fontsize=11.0 * unit, labelpad=6.0 * unit)
+        label = colouring.label if count == 1 else colouring.label.replace(", ", ",\n")
+        # along the bar, and no longer than it is
+        fits = tall / (PIXELS_OF_LETTER * max(len(line) for line in label.splitlines()))
+        bar.set_label(label, fontsize=min(11.0 * unit, fits), labelpad=6.0 * unit)
 
     def _list(self, names: Mapping[str, tuple[float, ...]]) -> None:
         """The bodies beside the scene, each with its colour."""
