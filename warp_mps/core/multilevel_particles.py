@@ -8,8 +8,8 @@ import warp as wp
 from warp_mps.core.kit import Kit
 from warp_mps.core.multilevel_grid import DAMPING, METHOD, cell_type, corner_type, grid_functions
 
-# Excess of the diagonal, relative to it, that is taken for none.
-ROUNDING = 1.0e-10
+# Excess of the diagonal, relative to it, that is taken for none: what rounding leaves of a matrix of each precision.
+ROUNDING = {"float64": 1.0e-10, "float32": 2.0e-6}
 
 # Bins that one thread finds the first unknowns of: it looks for the first, and goes on from there.
 WALK = 8
@@ -169,7 +169,7 @@ def particle_kernels(kit: Kit) -> SimpleNamespace:
             # a preconditioner has to be positive, whatever the matrix
             coupling_out[c * around + s] = wp.max(scale * sums[s], real64(0.0))
         coupling_out[c * around + around // 2] = real64(0.0)
-        if excess < real64(ROUNDING) * total:
+        if excess < real64(wp.static(ROUNDING[kit.precision])) * total:
             # the cells of a singular matrix must be singular, too: their constant part is divided by the excess
             excess = real64(0.0)
         excess *= wp.min(real64(1.0), real64(2.0) * scale)

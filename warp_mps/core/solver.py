@@ -167,7 +167,9 @@ class ConjugateGradient:
         self._scalars = wp.zeros(names.SCALARS, dtype=wp.float64, device=device)
         self.statistics = wp.zeros(names.STATISTICS, dtype=wp.float64, device=device)
 
-    def solve(self, matrix: Matrix | Operator, b: wp.array, x: wp.array, *, rest: Product | None = None) -> None:
+    def solve(
+        self, matrix: Matrix | Operator, b: wp.array, x: wp.array, *, rest: Product | None = None, same: bool = False
+    ) -> None:
         """Launch a solve.
 
         Args:
@@ -176,12 +178,14 @@ class ConjugateGradient:
             x: First guess in, solution out, float64, shape [capacity].
             rest: Launches the sum of q and of a symmetric matrix times x if `control[FRESH]` is not 0, else times p,
                 from (control, x, p, q): what the rows do not hold but for its diagonal, which is in `matrix.diagonal`.
+            same: Whether the matrix is that of the last solve, so that the preconditioner need not be made anew.
         """
         kernels = self._kernels
         vectors = [self._inverse, self._rhs, self._r, self._z, self._p, self._q]
         self._launch(kernels.prepare, self._n, [matrix.rows, matrix.active, matrix.diagonal, b], vectors)
         self._centre(matrix, self._rhs)
-        self._preconditioner.prepare(matrix, self._inverse)
+        if not same:
+            self._preconditioner.prepare(matrix, self._inverse)
         square = self._sums.launch(self._rhs, self._rhs, self._rhs)
         outputs = [self._running, self._control, self._scalars]
         self._launch(kernels.begin, 1, [self.tolerance, self._floor, square], outputs)

@@ -45,11 +45,13 @@ class QuasiNewton:
             return value
         columns = np.concatenate(known)[: len(residual)]
         falls, moves = columns[:, 0].T, columns[:, 1].T
-        left = np.abs(np.diag(np.linalg.qr(falls, mode="r")))
+        q, r = np.linalg.qr(falls)
+        left = np.abs(np.diag(r))
         keep = left > FILTER * left.max()
         if not keep.any():
             return value
-        q, r = np.linalg.qr(falls[:, keep])
+        if not keep.all():
+            q, r = np.linalg.qr(falls[:, keep])
         return value - moves[:, keep] @ np.linalg.solve(r, q.T @ residual)
 
     def end_step(self) -> None:
