@@ -70,6 +70,12 @@ def hung(dimension: int = 2, *, ratio: int = 1, **fields: Any) -> Scene:
     return pool(body, cells=cells, supports=(Support(name="rod", region=held),), **fields)
 
 
+def bed(dimension: int = 2, *, ratio: int = 1, **fields: Any) -> Scene:
+    """A block all along the floor of a tank, the upper face of which is flat."""
+    cells, size = ((14, 8), [14, 3]) if dimension == 2 else ((7, 6, 7), [7, 2, 7])
+    return pool(lump([0] * dimension, size, ratio=ratio), cells=cells, **fields)
+
+
 def afloat(density: float = 500.0, *, dimension: int = 2, material: Material = SOFT, **fields: Any) -> Scene:
     """A free block in still water."""
     cells, low, size = ((12, 8), [4, 3], [4, 3]) if dimension == 2 else ((6, 6, 6), [2, 2, 2], [2, 2, 2])

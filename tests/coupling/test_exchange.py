@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import warp as wp
 
-from tests.coupling.scenes import hung, lump, pool, system_of
+from tests.coupling.scenes import bed, hung, lump, pool, system_of
 from tests.fluid.scenes import KINDS, L0, pairs, stir, tolerance
 from warp_mps.core.solver_kernels import CONTROLS
 from warp_mps.coupling.water import WetFluids
@@ -16,9 +16,12 @@ from warp_mps.coupling.water import WetFluids
 RHO, DT = 1000.0, 1e-3
 
 
-def stirred(dimension: int, precision: str, *, ratio: int = 1) -> WetFluids:
+PLACES = {"hung": hung, "bed": bed}
+
+
+def stirred(dimension: int, precision: str, *, ratio: int = 1, place: str = "hung") -> WetFluids:
     """Water that is stirred about a block, with its equation assembled, and mobilities of all kinds."""
-    system = system_of(hung(dimension, ratio=ratio), precision=precision)
+    system = system_of(PLACES[place](dimension, ratio=ratio), precision=precision)
     water = system.water
     stir(water)
     water._dt.assign([DT])
@@ -32,10 +35,11 @@ def stirred(dimension: int, precision: str, *, ratio: int = 1) -> WetFluids:
 
 
 def arms(water: WetFluids) -> np.ndarray:
-    """C x_ij from fluid particles to markers, shape [m, markers, d]."""
+    """C (x_ij - tilt_i) from fluid particles to markers, shape [m, markers, d]."""
     gap, _, weights = pairs(water)
     w, e = water._walls, water._markers.count
-    return (water.operators.laplacian * weights[..., None] * gap)[w:, :e]
+    arm = gap[w:, :e] - water._tilt.numpy().astype(float)[:, None]
+    return water.operators.laplacian * weights[w:, :e, None] * arm
 
 
 def answers(water: WetFluids) -> np.ndarray:
@@ -57,9 +61,11 @@ def product(water: WetFluids, p: np.ndarray, *, fresh: bool) -> np.ndarray:
     return q.numpy()
 
 
+@pytest.mark.parametrize("place", PLACES)
 @pytest.mark.parametrize(("dimension", "precision"), KINDS)
-def test_products_are_those_of_the_dense_matrix(dimension: int, precision: str) -> None:
-    water = stirred(dimension, precision)
+def test_products_are_those_of_the_dense_matrix(dimension: int, precision: str, place: str) -> None:
+    water = stirred(dimension, precision, place=place)
+    assert water._tilt.numpy()[water._wet.numpy() == 1].any() or place == "hung"
     dense, near = answers(water), tolerance(precision)
     before = water._matrix.diagonal.numpy().astype(float)
     water._stiffen()
@@ -75,13 +81,14 @@ def test_products_are_those_of_the_dense_matrix(dimension: int, precision: str) 
         p = rng.uniform(-1.0, 1.0, len(dense))
         found = product(water, p, fresh=fresh)
         np.testing.assert_allclose(found, rest @ p, atol=10.0 * near * scale)
-    assert np.linalg.matrix_rank(dense) > water._markers.count
+    assert np.linalg.matrix_rank(dense) > water._markers.count or place == "bed"
 
 
+@pytest.mark.parametrize("place", PLACES)
 @pytest.mark.parametrize("dimension", [2, 3])
-def test_the_answer_is_symmetric_and_takes_no_energy_from_nowhere(dimension: int) -> None:
+def test_the_answer_is_symmetric_and_takes_no_energy_from_nowhere(dimension: int, place: str) -> None:
     """As the device has it, column by column: eigenvalues are not negative, and dry rows are empty."""
-    water = stirred(dimension, "float64")
+    water = stirred(dimension, "float64", place=place)
     water._own.zero_()
     water._stiffen()
     m, own = water._m, water._own.numpy()
@@ -95,11 +102,11 @@ def test_the_answer_is_symmetric_and_takes_no_energy_from_nowhere(dimension: int
     assert not matrix[~wet].any()
 
 
-@pytest.mark.parametrize("ratio", [1, 2])
+@pytest.mark.parametrize(("place", "ratio"), [("hung", 1), ("hung", 2), ("bed", 2)])
 @pytest.mark.parametrize(("dimension", "precision"), KINDS)
-def test_right_hand_side_and_forces(dimension: int, precision: str, ratio: int) -> None:
+def test_right_hand_side_and_forces(dimension: int, precision: str, place: str, ratio: int) -> None:
     """-rho sum_j c (a_j - b_j F_j) . x_ij about markers that accelerate, and F = V sum_l c p_l x_lj on them."""
-    water = stirred(dimension, precision, ratio=ratio)
+    water = stirred(dimension, precision, ratio=ratio, place=place)
     rng, near, e, c = np.random.default_rng(3), tolerance(precision), water._markers.count, arms(water)
     p, force, a = rng.uniform(size=water._m), rng.normal(size=(e, dimension)), rng.normal(size=(e, dimension))
     out = wp.zeros_like(water._approximate)
@@ -112,16 +119,17 @@ def test_right_hand_side_and_forces(dimension: int, precision: str, ratio: int) 
     water._launch(water._coupling.answer, e, [water.mobility.array, water._about, water.state.a], [water._answer])
     rhs = doubles(np.zeros(water._m))
     head = [water._walls, e, *water._geometry(), water._density, *water._listed(), water._wet]
-    water._launch(water._coupling.couple, water._m, [*head, water.state.x, water._answer], [rhs])
+    water._launch(water._coupling.couple, water._m, [*head, water.state.x, water._tilt, water._answer], [rhs])
     left = water.mobility.array.numpy()[:, None] * force - a
     expected = RHO * np.einsum("kjd,jd->k", c, left)
     np.testing.assert_allclose(rhs.numpy(), expected, atol=10.0 * near * np.abs(expected).max())
 
 
+@pytest.mark.parametrize("place", PLACES)
 @pytest.mark.parametrize("dimension", [2, 3])
-def test_markers_that_accelerate_are_walls_that_do(dimension: int) -> None:
+def test_markers_that_accelerate_are_walls_that_do(dimension: int, place: str) -> None:
     """Their part of the right-hand side is what a wall with their accelerations would have there."""
-    water = stirred(dimension, "float64")
+    water = stirred(dimension, "float64", place=place)
     e = water._markers.count
     still = water._rhs.numpy().copy()
     a = np.zeros(water.state.x.numpy().shape)
@@ -137,7 +145,7 @@ def test_markers_that_accelerate_are_walls_that_do(dimension: int) -> None:
     water._launch(water._coupling.answer, e, [water.mobility.array, water._about, water.state.a], [water._answer])
     rhs = doubles(still)
     head = [water._walls, e, *water._geometry(), water._density, *water._listed(), water._wet]
-    water._launch(water._coupling.couple, water._m, [*head, water.state.x, water._answer], [rhs])
+    water._launch(water._coupling.couple, water._m, [*head, water.state.x, water._tilt, water._answer], [rhs])
     assert np.abs(rhs.numpy() - still).max() > 1e-3 * np.abs(still).max()
     np.testing.assert_allclose(rhs.numpy(), as_wall, atol=1e-9 * np.abs(still).max())
 

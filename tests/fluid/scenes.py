@@ -10,6 +10,7 @@ import numpy as np
 from warp_mps.core.device import load_modules, open_device
 from warp_mps.core.kit import kit
 from warp_mps.fluid.fluids import Fluids, declare_kernels
+from warp_mps.fluid.planes import SAME_FACE
 from warp_mps.particles import fill_scene
 from warp_mps.scene import Flow, Fluid, Scene, Wall
 from warp_mps.shapes import Box
@@ -148,6 +149,17 @@ def slopes(fluids: Fluids, r: np.ndarray, weights: np.ndarray) -> np.ndarray:
     if SCHEMES[fluids._scheme] == "koshizuka_oka":
         return ops.original_gradient * weights / r**2
     return np.where(weights > 0.0, ops.gradient * (1.0 - r / ops.radius) ** 3 / ops.radius**2, 0.0)
+
+
+def images(fluids: Fluids, gap: np.ndarray, r: np.ndarray) -> np.ndarray:
+    """Weights w of mirror images, of the planes that the fluids have found, shape [m, m]; `gap` and `r` of `pairs`."""
+    w, radius = wall_count(fluids), fluids.operators.radius
+    normal, depth = fluids._normal.numpy().astype(float), fluids._depth.numpy().astype(float)
+    near = (gap[w:, w:] ** 2).sum(axis=2) < radius**2
+    same = (depth[:, None] > 0.0) & (depth > 0.0) & (normal @ normal.T >= SAME_FACE)
+    away = np.sqrt(r[w:, w:] ** 2 + 4.0 * depth[:, None] * depth)
+    np.fill_diagonal(near, val=False)
+    return np.where(near & same & (away < radius), radius / np.where(same, away, 1.0) - 1.0, 0.0)
 
 
 def tolerance(precision: str, double: float = 1e-11, single: float = 2e-4) -> float:

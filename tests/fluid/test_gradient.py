@@ -28,6 +28,13 @@ RHO = 1000.0
 PRESSURE = 1000.0
 
 
+def find_planes(fluids: Fluids) -> np.ndarray:
+    """Let the fluids find the faces of walls beside them; depths, shape [m]."""
+    fluids._find_planes()
+    depth: np.ndarray = fluids._depth.numpy()
+    return depth
+
+
 def pushed(fluids: Fluids, p: np.ndarray) -> np.ndarray:
     """Change of the fluid's velocities by pressures over DT, shape [m, d]; nothing collides."""
     fluids._dt.assign([DT])
@@ -39,6 +46,19 @@ def pushed(fluids: Fluids, p: np.ndarray) -> np.ndarray:
     fluids._finish()
     assert not fluids._du.numpy().any()
     return fluids.state.u.numpy().astype(float)[w:] - before
+
+
+def along(fluids: Fluids, gap: np.ndarray, c: np.ndarray, p: np.ndarray, g: np.ndarray, a: np.ndarray) -> np.ndarray:
+    """Slopes along walls of what pressures differ by from those of water at rest, shape [m, d]."""
+    w, normal, depth = wall_count(fluids), fluids._normal.numpy().astype(float), fluids._depth.numpy().astype(float)
+    slope = np.zeros_like(normal)
+    for k in np.flatnonzero(depth > 0.0):
+        tangential = np.eye(gap.shape[2]) - np.outer(normal[k], normal[k])
+        rest = RHO * (c[k, :w] @ (g - a[:w])) / c[k, :w].sum()
+        pull = c[k, w:] * (p - p[k] - gap[k, w:] @ rest) @ gap[k, w:]
+        spread = np.einsum("m,md,me->de", c[k, w:], gap[k, w:], gap[k, w:])
+        slope[k] = tangential @ pull / (np.trace(tangential @ spread) / (gap.shape[2] - 1))
+    return slope
 
 
 def expected_push(fluids: Fluids, p: np.ndarray, gravity: np.ndarray, a: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -62,6 +82,10 @@ def expected_push(fluids: Fluids, p: np.ndarray, gravity: np.ndarray, a: np.ndar
         "corrected": difference,
         "koshizuka_oka": p_j - least[:, None],
     }
+    slope = along(fluids, gap, c, p, gravity, a)
+    step = np.zeros_like(p_j)
+    step[:, :w] = np.einsum("nmd,nd->nm", gap[:, :w], slope)
+    pair_of["conservative"] = pair_of["conservative"] + step
     forces = -(c * (even if scheme == "conservative" else 1.0) * pair_of[scheme])[..., None] * gap
     walls = (c * even)[:, :w] * pair_of["conservative"][:, :w]
     impulse = DT * L0 ** gap.shape[2] * (walls[..., None] * gap[:, :w]).sum(axis=0)
@@ -86,6 +110,7 @@ def test_forces_are_those_of_numpy(dimension: int, precision: str, scheme: str, 
     fluids.state.a.assign(a)
     p = PRESSURE * rng.uniform(0.0 if fluids._clip else -1.0, 1.0, len(a) - w)
     fluids._scale.assign(rng.uniform(0.94, 1.06, len(p)))
+    assert (find_planes(fluids) > 0.0).any() == (scheme == "conservative")
     du, impulse = expected_push(fluids, p, np.asarray(scene.gravity), a)
     near = tolerance(precision, 1e-11, 1e-4)
     np.testing.assert_allclose(pushed(fluids, p), du, atol=near * np.abs(du).max())
@@ -97,6 +122,7 @@ def test_what_the_fluid_gains_the_walls_lose(dimension: int) -> None:
     """Of the conservative scheme, to rounding; the particles among themselves keep it as well."""
     fluids = fluids_of(tank(small(dimension)))
     stir(fluids, amount=0.05)
+    assert (find_planes(fluids) > 0.0).any()
     p = PRESSURE * np.random.default_rng(1).uniform(0.0, 1.0, len(fluids.state.p))
     gained = RHO * L0**dimension * pushed(fluids, p)
     impulse = fluids.state.impulse.numpy()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from tests.fluid.scenes import tank
@@ -37,6 +38,18 @@ def test_particles_outside_a_period_are_carried_into_it() -> None:
     low[0] = x[:, 0].mean()
     found = domain(replace(scene, flow=Flow(domain=(tuple(low), tuple(high)), periodic=(0,))), filled)
     assert (found[0] == low).all()
+
+
+@pytest.mark.parametrize("gravity", [(0.0, -9.81), (3.0, 0.0), ()])
+def test_by_default_there_is_most_room_against_gravity(gravity: tuple[float, ...]) -> None:
+    scene = replace(tank((8, 8)), gravity=gravity)
+    filled = fill_scene(scene)
+    x = filled.positions
+    size = (x.max(axis=0) - x.min(axis=0)).max()
+    low, high = domain(scene, filled)
+    g = np.array(gravity or (0.0, 0.0))
+    np.testing.assert_allclose(x.min(axis=0) - low, size * (1.0 + (g > 0.0)))
+    np.testing.assert_allclose(high - x.max(axis=0), size * (1.0 + (g < 0.0)))
 
 
 def test_a_longer_step_than_the_limit_is_not_taken() -> None:

@@ -10,6 +10,7 @@ from tests.fluid.scenes import (
     L0,
     SCHEMES,
     fluids_of,
+    images,
     pairs,
     periodic_box,
     scene_of,
@@ -22,6 +23,7 @@ from tests.fluid.scenes import (
 )
 from tests.fluid.scenes import wall_count as walls_of
 from warp_mps.fluid.fluids import Fluids
+from warp_mps.fluid.planes import LARGEST_STRETCH, LEAST_SPREAD
 from warp_mps.fluid.pressure import (
     DAMPING,
     DISORDER,
@@ -77,6 +79,21 @@ def divergence(fluids: Fluids, gap: np.ndarray, r: np.ndarray, near: np.ndarray,
     c = fluids.operators.divergence * near / r**3
     moments = np.einsum("nm,nmd,nme->nde", c, gap, gap)
     strain = np.einsum("nm,nmd,nme->nde", c, u_ij, gap)
+    w = walls_of(fluids)
+    normal, depth = fluids._normal.numpy().astype(float), fluids._depth.numpy().astype(float)
+    for k in np.flatnonzero(depth > 0.0):
+        ours, theirs = (
+            np.einsum("m,md,me->de", c[k, part], gap[k, part], gap[k, part]) for part in (slice(w, None), slice(w))
+        )
+        n, along = normal[k], np.eye(gap.shape[2]) - np.outer(normal[k], normal[k])
+        own, wall = (
+            np.einsum("m,md,me->de", c[k, part], u_ij[k, part], gap[k, part]) for part in (slice(w, None), slice(w))
+        )
+        stretch = n @ theirs @ n / (depth[k] * (c[k, :w] @ gap[k, :w] @ n))
+        strain[k] += (np.clip(stretch, 1.0, LARGEST_STRETCH) - 1.0) * np.outer(n, n) @ wall
+        spread = np.trace(along @ ours)
+        assert spread > (gap.shape[2] - 1) * LEAST_SPREAD
+        strain[k] += np.trace(along @ theirs) / spread * along @ own @ along - along @ wall
     if SCHEMES[fluids._scheme] == "conservative":
         corrected = np.linalg.det(moments) > LEAST_DETERMINANT
         assert corrected.any()
@@ -106,7 +123,10 @@ def test_rows_are_those_of_numpy(dimension: int, precision: str, scheme: str) ->
     entries, diagonal = dense(fluids)
     near = tolerance(precision, 1e-10, 2e-5)
     np.testing.assert_allclose(fluids.state.n.numpy(), weights.sum(axis=1), rtol=near)
-    np.testing.assert_allclose(entries, ops.laplacian * weights[:, w:], rtol=10 * near, atol=near * ops.laplacian)
+    extra = images(fluids, *pairs(fluids)[:2])
+    assert extra.any() == (scheme == "conservative")
+    seen = weights[:, w:] + extra
+    np.testing.assert_allclose(entries, ops.laplacian * seen, rtol=10 * near, atol=near * ops.laplacian)
     c = slopes(fluids, np.where(weights > 0.0, r, 1.0), weights)
     uneven = np.einsum("nm,nmd->nd", c, gap)
     damping = (scheme == "conservative") * DAMPING * (uneven**2).sum(axis=1)
@@ -116,7 +136,7 @@ def test_rows_are_those_of_numpy(dimension: int, precision: str, scheme: str) ->
     np.testing.assert_array_equal(fluids._surface.numpy(), surface)
     assert 0 < surface.sum() < len(surface)
     beyond = surface * ops.number_density * -e * (ops.beyond[0] - ops.beyond[1] * e)
-    expected = ops.laplacian * (weights[:, w:].sum(axis=1) + beyond) + damping
+    expected = ops.laplacian * (seen.sum(axis=1) + beyond) + damping
     np.testing.assert_allclose(diagonal, expected, rtol=10 * near)
     scale = np.clip(dimension / (c * r**2).sum(axis=1), 1.0 - LARGEST_SCALE, 1.0 + LARGEST_SCALE)
     # the bounds are numbers of single precision
@@ -126,7 +146,10 @@ def test_rows_are_those_of_numpy(dimension: int, precision: str, scheme: str) ->
     free = u.astype(float)
     free[:w] += DT * (gravity - a[:w])
     div = divergence(fluids, gap, r, weights > 0.0, free[None, :] - free[w:, None])
-    slope = np.einsum("nmd,md->nm", gap[:, :w], gravity - a[:w])
+    share = weights[:, :w].sum(axis=1)
+    tilt = np.einsum("nm,nmd->nd", extra, gap[:, w:]) / np.where(share > 0.0, share, 1.0)[:, None]
+    np.testing.assert_allclose(fluids._tilt.numpy(), tilt, atol=10 * near * L0)
+    slope = np.einsum("nmd,md->nm", gap[:, :w] - tilt[:, None], gravity - a[:w])
     sources = source(fluids, np.where(surface, 0.0, e), div)
     rhs = RHO * sources * (~surface | (scheme == "conservative"))
     rhs += RHO * ops.laplacian * (weights[:, :w] * slope).sum(axis=1)

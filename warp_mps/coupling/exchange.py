@@ -2,10 +2,11 @@
 
 The water sees a body as a wall of markers (`warp_mps.coupling.markers`). The pressure Poisson equation sees a marker j
 by its acceleration a_j alone (`warp_mps.fluid.pressure`): as -rho sum_j c a_j . x_ij on the right-hand side of a fluid
-particle i, c = laplacian * w. How a_j answers to pressure is approximated by a mobility b_j, acceleration per force,
-with the forces V sum_l c p_l x_lj, which in a half-space are those of `warp_mps.fluid.gradient`: the matrix gets
-rho V sum_j b_j (c x_ij) . sum_l c p_l x_lj, symmetric and positive, and what it adds is gone where the iteration
-over both has converged (a Robin condition; Badia, Nobile and Vergara 2008).
+particle i, c = laplacian * w; beside a flat face x_ij stands for x_ij - tilt_i, here and in what follows. How a_j
+answers to pressure is approximated by a mobility b_j, acceleration per force, with the forces V sum_l c p_l x_lj, which
+in a half-space are those of `warp_mps.fluid.gradient`: the matrix gets rho V sum_j b_j (c x_ij) . sum_l c p_l x_lj,
+symmetric and positive, and what it adds is gone where the iteration over both has converged (a Robin condition; Badia,
+Nobile and Vergara 2008).
 
 References:
     Badia, S., Nobile, F. and Vergara, C., Journal of Computational Physics 227 (2008) 7027.
@@ -31,14 +32,14 @@ def coupling_kernels(kit: Kit) -> SimpleNamespace:
     apart, weight = list_kernels(kit).apart, pressure_kernels(kit).weight
 
     @kit.func(METHOD)
-    def arm(x_i: vec, x_j: vec, period: vec, radius: real, spacing: real, laplacian: real) -> vec:
+    def arm(x_i: vec, x_j: vec, tilt: vec, period: vec, radius: real, spacing: real, laplacian: real) -> vec:
         """The arm x_ij times c."""
         x_ij = apart(x_i, x_j, period)
         square = wp.dot(x_ij, x_ij)
         if square >= radius * radius:
             return vec()
         r = wp.max(wp.sqrt(square), real(CLOSEST) * spacing)
-        return (laplacian * weight(r, radius)) * x_ij
+        return (laplacian * weight(r, radius)) * (x_ij - tilt)
 
     @kit.kernel(METHOD)
     def find_wet(
@@ -76,6 +77,7 @@ def coupling_kernels(kit: Kit) -> SimpleNamespace:
         mobility: wp.array(dtype=real),
         # State in:
         x: wp.array(dtype=vec),
+        tilt: wp.array(dtype=vec),
         # State in and out:
         diagonal: wp.array(dtype=real),
         # Out:
@@ -91,7 +93,7 @@ def coupling_kernels(kit: Kit) -> SimpleNamespace:
         for m in range(count[i]):
             j = listed[i, m]
             if j < markers:
-                c = arm(x_i, x[j], period, radius, spacing, laplacian)
+                c = arm(x_i, x[j], tilt[k], period, radius, spacing, laplacian)
                 total += mobility[j] * wp.dot(c, c)
         own_out[k] = density * volume * total
         diagonal[k] = diagonal[k] + density * volume * total
@@ -110,6 +112,7 @@ def coupling_kernels(kit: Kit) -> SimpleNamespace:
         # State in:
         control: wp.array(dtype=wp.int32),
         x: wp.array(dtype=vec),
+        tilt: wp.array(dtype=vec),
         p: wp.array(dtype=wp.float64),
         direction: wp.array(dtype=wp.float64),
         # Out:
@@ -124,7 +127,7 @@ def coupling_kernels(kit: Kit) -> SimpleNamespace:
             value = direction[i - walls]
             if control[FRESH] != 0:
                 value = p[i - walls]
-            total += real(value) * arm(x[i], x_j, period, radius, spacing, laplacian)
+            total += real(value) * arm(x[i], x_j, tilt[i - walls], period, radius, spacing, laplacian)
         force_out[j] = volume * total
 
     @kit.kernel(METHOD)
@@ -155,6 +158,7 @@ def coupling_kernels(kit: Kit) -> SimpleNamespace:
         wet: wp.array(dtype=wp.int32),
         # State in:
         x: wp.array(dtype=vec),
+        tilt: wp.array(dtype=vec),
         answer: wp.array(dtype=vec),
         # State in and out:
         rhs: wp.array(dtype=wp.float64),
@@ -169,7 +173,7 @@ def coupling_kernels(kit: Kit) -> SimpleNamespace:
         for m in range(count[i]):
             j = listed[i, m]
             if j < markers:
-                total += wp.dot(arm(x_i, x[j], period, radius, spacing, laplacian), answer[j])
+                total += wp.dot(arm(x_i, x[j], tilt[k], period, radius, spacing, laplacian), answer[j])
         rhs[k] = rhs[k] + wp.float64(density * total)
 
     @kit.kernel(METHOD)
@@ -190,6 +194,7 @@ def coupling_kernels(kit: Kit) -> SimpleNamespace:
         # State in:
         control: wp.array(dtype=wp.int32),
         x: wp.array(dtype=vec),
+        tilt: wp.array(dtype=vec),
         force: wp.array(dtype=vec),
         p: wp.array(dtype=wp.float64),
         direction: wp.array(dtype=wp.float64),
@@ -206,7 +211,7 @@ def coupling_kernels(kit: Kit) -> SimpleNamespace:
         for m in range(count[i]):
             j = listed[i, m]
             if j < markers:
-                total += mobility[j] * wp.dot(arm(x_i, x[j], period, radius, spacing, laplacian), force[j])
+                total += mobility[j] * wp.dot(arm(x_i, x[j], tilt[k], period, radius, spacing, laplacian), force[j])
         value = direction[k]
         if control[FRESH] != 0:
             value = p[k]

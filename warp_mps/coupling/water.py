@@ -19,6 +19,7 @@ References:
     Degroote, J., Bathe, K.-J. and Vierendeels, J., Computers & Structures 87 (2009) 793.
 """
 
+import functools
 import math
 from typing import Any
 
@@ -43,7 +44,7 @@ from warp_mps.scene import Scene
 TOLERANCE = 1e-3
 MOST_PASSES = 20
 # steps whose passes the quasi-Newton method remembers
-REMEMBERED = 8
+REMEMBERED = 16
 # how much longer a step may be than the fastest particle asks for, where it is one of the bodies' already
 FASTEST = 5.0
 
@@ -196,7 +197,7 @@ class WetFluids(Fluids):
         """Let the equation know how the markers answer."""
         e = self._markers.count
         inputs = [self._walls, e, *self._geometry(), self._density, self._volume, *self._listed(), self._wet]
-        inputs += [self.mobility.array, self.state.x]
+        inputs += [self.mobility.array, self.state.x, self._tilt]
         self._launch(self._coupling.stiffen, self._m, inputs, [self._matrix.diagonal, self._own])
 
     def _agree(self, time: float) -> np.ndarray:
@@ -204,7 +205,10 @@ class WetFluids(Fluids):
         forces: np.ndarray = self._guess
         for count in range(1, MOST_PASSES + 1):
             self._take(forces, time, trial=True)
-            self._replay("project", self._project)
+            if count == 1:
+                self._replay("project", self._project)
+            else:
+                self._replay("project again", functools.partial(self._project, same=True))
             found = np.stack((self._pressed.numpy(), self._approximate.numpy().astype(float)))
             scale = float(np.linalg.norm(found))
             residual = float(np.linalg.norm(found - forces)) / scale if scale > 0.0 else 0.0
@@ -246,29 +250,40 @@ class WetFluids(Fluids):
         self._markers.accelerate(self._dt, self._v_before, self._structure.solid.state, self.state.a)
         return self.state.a.numpy()[: self._markers.count].astype(float)
 
-    def _project(self) -> None:
-        """Pressures for the bodies' motion, and the forces that they make."""
+    def _project(self, *, same: bool = False) -> None:
+        """Pressures for the bodies' motion, and the forces that they make; of the same equation as last time or not."""
         state, e, solid = self.state, self._markers.count, self._structure.solid.state
         self._markers.accelerate(self._dt, self._v_before, solid, state.a)
         wp.copy(self._rhs, self._base)
         self._launch(self._coupling.answer, e, [self.mobility.array, self._about, state.a], [self._answer])
         head = [self._walls, e, *self._geometry(), self._density, *self._listed(), self._wet]
-        self._launch(self._coupling.couple, self._m, [*head, state.x, self._answer], [self._rhs])
-        self._solver.solve(self._matrix._replace(singular=None), self._rhs, state.p, rest=self._rest)
+        self._launch(self._coupling.couple, self._m, [*head, state.x, self._tilt, self._answer], [self._rhs])
+        self._solver.solve(self._matrix._replace(singular=None), self._rhs, state.p, rest=self._rest, same=same)
         self._lift(self._open)
         self._respond(self._fresh, state.p, state.p, self._approximate)
         self._pressed.zero_()
+        self._find_slopes()
         self._push_walls(e, self._one, [self._pressed, self._spare])
 
     def _rest(self, control: wp.array, p: wp.array, direction: wp.array, q: wp.array) -> None:
         """Off the diagonal, what the markers' answer adds to the product with the matrix."""
         self._respond(control, p, direction, self._answer)
         inputs = [self._walls, self._markers.count, *self._geometry(), self._density, *self._listed(), self._wet]
-        inputs += [self._own, self.mobility.array, control, self.state.x, self._answer, p, direction]
+        inputs += [self._own, self.mobility.array, control, self.state.x, self._tilt, self._answer, p, direction]
         self._launch(self._coupling.couple_product, self._m, inputs, [q])
 
     def _respond(self, control: wp.array, p: wp.array, direction: wp.array, out: wp.array) -> None:
-        inputs = [self._walls, *self._geometry(), self._volume, *self._listed(), control, self.state.x, p, direction]
+        inputs = [
+            self._walls,
+            *self._geometry(),
+            self._volume,
+            *self._listed(),
+            control,
+            self.state.x,
+            self._tilt,
+            p,
+            direction,
+        ]
         self._launch(self._coupling.respond, self._markers.count, inputs, [out])
 
     def _end(self) -> None:

@@ -20,6 +20,7 @@ from warp_mps.fluid.limits import domain, step_limit
 from warp_mps.fluid.lists import METHOD, NeighbourLists, list_kernels
 from warp_mps.fluid.motion import COLLISION, KEPT_APART, motion_kernels
 from warp_mps.fluid.operators import operators
+from warp_mps.fluid.planes import plane_kernels
 from warp_mps.fluid.pressure import CONSERVATIVE, CORRECTED, KOSHIZUKA_OKA, pressure_kernels
 from warp_mps.fluid.state import FluidState, initial_state
 from warp_mps.fluid.viscous import ImplicitViscosity, viscous_kernels
@@ -128,6 +129,10 @@ class Fluids(FluidFailures):
         )
         self._du, self._shift, self._surface = zeros(m, kit.vec), zeros(m, kit.vec), zeros(m, wp.int32)
         self._acceleration, self._mirrored = zeros(n, kit.vec), zeros(max(n - m, 1), kit.vec)
+        # beside walls: normals, distances from their faces, what images count, and slopes of the pressure
+        self._normal, self._depth, self._tilt, self._along = (
+            zeros(m, kind) for kind in (kit.vec, kit.real, kit.vec, kit.vec)
+        )
         self._scale = wp.ones(m, dtype=kit.real, device=device)
         self._floors = zeros(-(-m // CHUNK), wp.float64)
         self._speeds = zeros(-(-n // CHUNK), kit.real)
@@ -279,13 +284,21 @@ class Fluids(FluidFailures):
         matrix.singular.fill_(1)
         numbers = [ops.radius, self._spacing, ops.number_density, float(ops.neighbours), ops.divergence, ops.laplacian]
         numbers.append(self._slope)
+        self._find_planes()
         inputs = [
             self._walls, self._scheme, self.lists.period, *numbers, self._density, self._gravity, *ops.beyond,
-            self._relaxation, *self._listed(), self._dt, state.x, state.u, state.a, state.p,
+            self._relaxation, *self._listed(), self._dt, state.x, state.u, state.a, state.p, self._normal, self._depth,
         ]  # fmt: skip
         rows = [matrix.first, matrix.count, matrix.index, matrix.value, matrix.diagonal, matrix.active]
-        outputs = [state.n, self._scale, *rows, self._rhs, self._surface, matrix.singular]
+        outputs = [state.n, self._scale, *rows, self._rhs, self._surface, self._tilt, matrix.singular]
         self._launch(pressure.assemble, self._m, inputs, outputs)
+
+    def _find_planes(self) -> None:
+        """The faces of walls that fluid particles are beside, as far as the scheme looks at them."""
+        if self._scheme == CONSERVATIVE:
+            inputs = [self._walls, self.lists.period, self.operators.radius, self._spacing, *self._listed()]
+            outputs = [self._normal, self._depth]
+            self._launch(plane_kernels(self._kit).find_planes, self._m, [*inputs, self.state.x], outputs)
 
     def _project(self) -> None:
         """Pressures that keep the fluid's density."""
@@ -310,16 +323,27 @@ class Fluids(FluidFailures):
         state, ops, lists = self.state, self.operators, self.lists
         _, gradient, motion = self._kernels
         head = [self._scheme, self._clip, lists.period, ops.radius, self._slope, self._density]
+        self._find_slopes()
         inputs = [self._walls, *head, self._gravity, *self._listed(), self._dt, state.x, state.a, state.p, self._scale]
+        inputs.append(self._along)
         self._launch(gradient.push, self._m, inputs, [self._du])
         self._push_walls(self._walls, self._dt, [state.impulse, state.work])
         self._launch(motion.apply, self._m, [self._walls, self._dt, self._du], [state.x, state.u])
+
+    def _find_slopes(self) -> None:
+        """Slopes of the pressure along walls."""
+        state, ops = self.state, self.operators
+        inputs = [self._walls, self.lists.period, ops.radius, self._slope, self._density, self._gravity]
+        inputs += [*self._listed(), state.x, state.a, state.p, self._normal, self._depth]
+        if self._scheme == CONSERVATIVE:
+            self._launch(self._kernels[1].find_slopes, self._m, inputs, [self._along])
 
     def _push_walls(self, count: int, dt: wp.array, outputs: list[wp.array]) -> None:
         """Impulses on the first walls' particles in a time, and the walls' work, added to what there is."""
         state, ops = self.state, self.operators
         inputs = [self._walls, self._scheme, self._clip, self.lists.period, ops.radius, self._slope, self._density]
         inputs += [self._volume, self._gravity, *self._listed(), dt, state.x, state.u, state.a, state.p, self._scale]
+        inputs.append(self._along)
         self._launch(self._kernels[1].push_walls, count, inputs, outputs)
 
     def _collide(self) -> None:

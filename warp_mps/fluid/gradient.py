@@ -8,9 +8,11 @@ Force per volume on particle i, with c = gradient * g/r_e^2 of each pair (`warp_
 
 s_i = d / sum_j c r^2 makes up for particles that do not lie as on a lattice, 1 there; it is bounded, for at the surface
 it would count what is not there. The pressure of a wall's particle is that of the fluid particle that looks at it, plus
-rho (g - a) . x_ij, and never below 0. Where both pressures of a pair add up to a pull, which happens only if negative
-pressures are allowed, the conservative force takes p_j - p_i (Sun, Colagrossi, Marrone, Antuono & Zhang 2018), for a
-pull clusters particles.
+rho (g - a) . x_ij, and never below 0. In the conservative scheme a flat wall also continues what the slope of the
+pressure along it differs by from that of water at rest (`warp_mps.fluid.planes`), or it would hold the water back.
+
+Where both pressures of a pair add up to a pull, which happens only if negative pressures are allowed, the conservative
+force takes p_j - p_i (Sun, Colagrossi, Marrone, Antuono & Zhang 2018), for a pull clusters particles.
 
 References:
     Koshizuka, S. and Oka, Y., Nuclear Science and Engineering 123 (1996) 421.
@@ -24,6 +26,7 @@ import warp as wp
 
 from warp_mps.core.kit import Kit
 from warp_mps.fluid.lists import METHOD, list_kernels
+from warp_mps.fluid.planes import LEAST_SPREAD, plane_kernels
 from warp_mps.fluid.pressure import CONSERVATIVE, CORRECTED, LEAST_DETERMINANT, pressure_kernels
 
 # closest distance that a force sees, in effective radii: what is closer is two particles that collide
@@ -32,10 +35,12 @@ CLOSEST = 0.02
 
 @functools.cache
 def gradient_kernels(kit: Kit) -> SimpleNamespace:
-    """Kernels `push`, `push_walls` and `wall_pressure`."""
+    """Kernels `find_slopes`, `push`, `push_walls` and `wall_pressure`."""
     real, vec, mat, d = kit.real, kit.vec, kit.mat, kit.dimension
     vec64 = wp.types.vector(length=d, dtype=wp.float64)
     apart, weight, slope = list_kernels(kit).apart, pressure_kernels(kit).weight, pressure_kernels(kit).slope
+
+    spread = plane_kernels(kit).spread
 
     @kit.func(METHOD)
     def beyond(p_i: real, step: real, clip: wp.int32) -> real:
@@ -57,6 +62,56 @@ def gradient_kernels(kit: Kit) -> SimpleNamespace:
         return p_j - p_min
 
     @kit.kernel(METHOD)
+    def find_slopes(
+        # Model:
+        walls: wp.int32,
+        period: vec,
+        radius: real,
+        gradient: real,
+        density: real,
+        gravity: vec,
+        listed: wp.array(dtype=wp.int32, ndim=2),
+        count: wp.array(dtype=wp.int32),
+        # State in:
+        x: wp.array(dtype=vec),
+        a: wp.array(dtype=vec),
+        p: wp.array(dtype=wp.float64),
+        normal: wp.array(dtype=vec),
+        depth: wp.array(dtype=real),
+        # Out:
+        slope_out: wp.array(dtype=vec),
+    ):
+        """Slope of the pressure along the wall beside a fluid particle, less that of water at rest."""
+        k = wp.tid()
+        result = vec()
+        if depth[k] > real(0.0):
+            i = k + walls
+            x_i = x[i]
+            moments = mat()
+            total = vec()
+            pull = vec()
+            weights = real(0.0)
+            for m in range(count[i]):
+                j = listed[i, m]
+                x_ij = apart(x_i, x[j], period)
+                square = wp.dot(x_ij, x_ij)
+                if square < radius * radius:
+                    c = gradient * slope(wp.static(CONSERVATIVE), wp.sqrt(square), radius)
+                    if j < walls:
+                        pull += c * (gravity - a[j])
+                        weights += c
+                    else:
+                        # the difference in double precision: that of water at rest has to cancel
+                        total += (c * real(p[j - walls] - p[k])) * x_ij
+                        moments += c * wp.outer(x_ij, x_ij)
+            n = normal[k]
+            own = spread(moments, n)
+            if own > real(LEAST_SPREAD):
+                total = (total - (density / weights) * (moments * pull)) / own
+                result = total - wp.dot(total, n) * n
+        slope_out[k] = result
+
+    @kit.kernel(METHOD)
     def push(
         # Model:
         walls: wp.int32,
@@ -75,6 +130,7 @@ def gradient_kernels(kit: Kit) -> SimpleNamespace:
         a: wp.array(dtype=vec),
         p: wp.array(dtype=wp.float64),
         scale: wp.array(dtype=real),
+        along: wp.array(dtype=vec),
         # Out:
         du_out: wp.array(dtype=vec),
     ):
@@ -101,12 +157,14 @@ def gradient_kernels(kit: Kit) -> SimpleNamespace:
                 c = gradient * slope(scheme, r, radius)
                 p_j = real(p[wp.max(j - walls, 0)])
                 s_j = scale[wp.max(j - walls, 0)]
+                step = real(0.0)
                 if j < walls:
                     p_j = beyond(p_i, density * wp.dot(gravity - a[j], x_ij), clip)
                     s_j = s_i
+                    step = wp.dot(along[k], x_ij)
                 if scheme == wp.static(CONSERVATIVE):
                     c *= real(0.5) * (s_i + s_j)
-                total += (c * pair(scheme, p_i, p_j, p_min)) * x_ij
+                total += (c * (pair(scheme, p_i, p_j, p_min) + step)) * x_ij
                 if scheme == wp.static(CORRECTED):
                     moments += c * wp.outer(x_ij, x_ij)
         if scheme == wp.static(CORRECTED):
@@ -137,6 +195,7 @@ def gradient_kernels(kit: Kit) -> SimpleNamespace:
         a: wp.array(dtype=vec),
         p: wp.array(dtype=wp.float64),
         scale: wp.array(dtype=real),
+        along: wp.array(dtype=vec),
         # State in and out:
         impulse: wp.array(dtype=vec64),
         work: wp.array(dtype=wp.float64),
@@ -158,7 +217,8 @@ def gradient_kernels(kit: Kit) -> SimpleNamespace:
                 c = gradient * slope(scheme, r, radius)
                 p_i = real(p[i - walls])
                 p_j = beyond(p_i, density * wp.dot(gravity - a[j], x_ij), clip)
-                total += (scale[i - walls] * c * pair(wp.static(CONSERVATIVE), p_i, p_j, p_i)) * x_ij
+                pressed = pair(wp.static(CONSERVATIVE), p_i, p_j, p_i) + wp.dot(along[i - walls], x_ij)
+                total += (scale[i - walls] * c * pressed) * x_ij
         gained = (dt[0] * wp.float64(volume)) * vec64(total)
         impulse[j] = impulse[j] + gained
         work[j] = work[j] - wp.dot(gained, vec64(u[j]))
@@ -196,4 +256,4 @@ def gradient_kernels(kit: Kit) -> SimpleNamespace:
             total = total / weights
         p_out[j] = wp.float64(total)
 
-    return SimpleNamespace(push=push, push_walls=push_walls, wall_pressure=wall_pressure)
+    return SimpleNamespace(find_slopes=find_slopes, push=push, push_walls=push_walls, wall_pressure=wall_pressure)

@@ -45,6 +45,8 @@ def longest_step(scene: Scene, particles: Particles) -> float:
 def domain(scene: Scene, particles: Particles) -> tuple[np.ndarray, np.ndarray]:
     """Lowest and highest corner of what is computed [m]; by default the particles' box, and its size about it.
 
+    Against gravity it is twice the size: what is thrown up high comes back.
+
     Raises:
         InputError: The domain of the scene does not hold its fluids.
     """
@@ -54,7 +56,9 @@ def domain(scene: Scene, particles: Particles) -> tuple[np.ndarray, np.ndarray]:
         return low, high
     low, high = particles.positions.min(axis=0), particles.positions.max(axis=0)
     margin = max(float((high - low).max()), 10.0 * scene.fluids[0].spacing)
-    return low - margin, high + margin
+    gravity = np.asarray(scene.gravity if len(scene.gravity) else np.zeros(len(low)), float)
+    up = -gravity / (float(np.linalg.norm(gravity)) or 1.0)
+    return low - margin * (1.0 + np.maximum(-up, 0.0)), high + margin * (1.0 + np.maximum(up, 0.0))
 
 
 def _holds(scene: Scene, x: np.ndarray, low: np.ndarray, high: np.ndarray) -> None:

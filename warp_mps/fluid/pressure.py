@@ -16,7 +16,10 @@ runs away; a share of 0.2 does not, and errors still decay in some ten steps.
 
 Walls are no unknowns: the pressure beyond a wall follows from the wall's acceleration a, p_j - p_i =
 rho (g - a) . x_ij, which goes to the right-hand side; u* of a wall is the velocity that this gradient turns into the
-wall's own.
+wall's own. Along a flat wall the conservative scheme adds the water's mirror image (`warp_mps.fluid.planes`), in which
+water at rest, whose pressure differs by rho (g - a) . x_ij, must not count a second time. With `tilt_i`, the sum of
+x_ij over images by the sum over the wall, both with the pairs' coefficients, a wall's particle enters the right-hand
+side by rho (g - a) . (x_ij - tilt_i).
 
 Conservative forces push a particle by 2 p_i sum_j c x_ij beyond what a gradient would, and the equation does not know.
 In deep water that feeds back on the pressure of the next step and may grow. Half of the true operator never exceeds
@@ -46,6 +49,7 @@ import warp as wp
 
 from warp_mps.core.kit import Kit
 from warp_mps.fluid.lists import METHOD, list_kernels
+from warp_mps.fluid.planes import plane_kernels
 
 CONSERVATIVE, CORRECTED, KOSHIZUKA_OKA = 0, 1, 2
 # the free surface: below this share of a full lattice's number density, and of its neighbours
@@ -71,6 +75,7 @@ def pressure_kernels(kit: Kit) -> SimpleNamespace:
     """Kernels `assemble`, `least`, `lift`."""
     real, vec, mat = kit.real, kit.vec, kit.mat
     apart = list_kernels(kit).apart
+    mirrored, strain_beyond = plane_kernels(kit).mirrored, plane_kernels(kit).strain_beyond
 
     @kit.func(METHOD)
     def weight(r: real, radius: real) -> real:
@@ -122,6 +127,8 @@ def pressure_kernels(kit: Kit) -> SimpleNamespace:
         u: wp.array(dtype=vec),
         a: wp.array(dtype=vec),
         p: wp.array(dtype=wp.float64),
+        normal: wp.array(dtype=vec),
+        depth: wp.array(dtype=real),
         # Out:
         n_out: wp.array(dtype=real),
         scale_out: wp.array(dtype=real),
@@ -133,6 +140,7 @@ def pressure_kernels(kit: Kit) -> SimpleNamespace:
         active_out: wp.array(dtype=wp.int32),
         rhs_out: wp.array(dtype=wp.float64),
         surface_out: wp.array(dtype=wp.int32),
+        tilt_out: wp.array(dtype=vec),
         singular_out: wp.array(dtype=wp.int32),
     ):
         """The row of a fluid particle, among the fluid particles alone."""
@@ -147,10 +155,18 @@ def pressure_kernels(kit: Kit) -> SimpleNamespace:
         n = real(0.0)
         diagonal = real(0.0)
         wall = real(0.0)
+        pull = vec()
+        share = real(0.0)
+        lean = vec()
+        normal_i = normal[k]
+        depth_i = depth[k]
         moment = real(0.0)
         uneven = vec()
         moments = mat()
         strain = mat()
+        wall_reach = vec()
+        wall_moments = mat()
+        wall_strain = mat()
         for m in range(count[i]):
             j = listed[i, m]
             x_ij = apart(x_i, x[j], period)
@@ -158,13 +174,24 @@ def pressure_kernels(kit: Kit) -> SimpleNamespace:
             if square < radius * radius:
                 r = wp.max(wp.sqrt(square), real(CLOSEST) * spacing)
                 inverse = real(1.0) / r
+                arm = (divergence * inverse * inverse * inverse) * x_ij
                 w = weight(r, radius)
                 c = laplacian * w
-                u_j = u[j]
                 if j < walls:
-                    u_j = u_j + h * (gravity - a[j])
-                    wall += c * density * wp.dot(gravity - a[j], x_ij)
+                    wall += c * wp.dot(gravity - a[j], x_ij)
+                    pull += c * (gravity - a[j])
+                    share += c
+                    wall_reach += arm
+                    wall_moments += wp.outer(arm, x_ij)
+                    wall_strain += wp.outer(u[j] + h * (gravity - a[j]) - u_i, arm)
                 else:
+                    if depth_i > real(0.0):
+                        image = mirrored(square, normal_i, normal[j - walls], depth_i, depth[j - walls])
+                        extra = laplacian * weight(wp.sqrt(image), radius)
+                        lean += extra * x_ij
+                        c += extra
+                    moments += wp.outer(arm, x_ij)
+                    strain += wp.outer(u[j] - u_i, arm)
                     index_out[start + entries] = j - walls
                     value_out[start + entries] = c
                     entries += 1
@@ -174,9 +201,10 @@ def pressure_kernels(kit: Kit) -> SimpleNamespace:
                 g = slope(scheme, r, radius)
                 moment += g * r * r
                 uneven += g * x_ij
-                arm = (divergence * inverse * inverse * inverse) * x_ij
-                moments += wp.outer(arm, x_ij)
-                strain += wp.outer(u_j - u_i, arm)
+        if depth_i > real(0.0):
+            wall_strain = strain_beyond(strain, moments, wall_strain, wall_moments, wall_reach, normal_i, depth_i)
+        moments += wall_moments
+        strain += wall_strain
         if scheme == wp.static(CONSERVATIVE) and wp.determinant(moments) > real(LEAST_DETERMINANT):
             strain = strain * wp.inverse(moments)
         e = n / n0 - real(1.0)
@@ -200,7 +228,9 @@ def pressure_kernels(kit: Kit) -> SimpleNamespace:
             damping = real(DAMPING) * gradient * gradient * wp.dot(uneven, uneven)
         diagonal_out[k] = diagonal + beyond + damping
         active_out[k] = 1
-        given = wall
+        tilt = lean / wp.max(share, laplacian * real(1.0e-6))
+        tilt_out[k] = tilt
+        given = density * (wall - wp.dot(pull, tilt))
         if surface == 0 or scheme == wp.static(CONSERVATIVE):
             slack = real(DISORDER) * (spacing / radius) * (spacing / radius)
             given += density * source(scheme, e, slack, wp.trace(strain), h, tau)

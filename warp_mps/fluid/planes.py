@@ -1,0 +1,146 @@
+"""The faces of walls, in which the water beside them is mirrored.
+
+A wall's particles have neither a pressure nor a velocity along the wall. What they add to the sums of a fluid particle
+is right across the wall, where the wall's acceleration says how the pressure goes on, but along it they add nothing:
+in the row beside a wall a quarter of the divergence, the Laplacian and the pressure force along it is missing, and
+water sets off along a floor with three quarters of its acceleration. Where the wall is flat as far as a particle sees
+it, with its face at a distance s and the normal n into the wall, the conservative scheme makes up for it:
+
+    Laplacian:   a neighbour j is also seen in the mirror, at sqrt(r^2 + 4 s_i s_j). The two add to the pair's
+                 coefficient, which stays symmetric, for the pressure less that of water at rest beside this wall:
+                 that one goes on beyond the wall by itself
+    force:       the pressure goes on along the wall as it does in the water (`warp_mps.fluid.gradient`)
+    divergence:  so does the velocity along the wall; that across is the wall's at its face, half a spacing before its
+                 first particles
+
+At corners, edges and gaps the face is not known, and nothing is added. Mirrored particles are those of e.g. Morris, Fox
+and Zhu, made by the fluid's own pairs.
+
+References:
+    Morris, J. P., Fox, P. J. and Zhu, Y., Journal of Computational Physics 136 (1997) 214.
+"""
+
+import functools
+import math
+from types import SimpleNamespace
+
+import warp as wp
+
+from warp_mps.core.kit import Kit
+from warp_mps.fluid.lists import METHOD, list_kernels
+
+# in spacings: how far a wall's particles may lie before its face, and the least distance from it that is believed
+FLATNESS, LEAST_DEPTH = 0.3, 0.25
+# share of what would be seen of an endless face that must be there, where a lattice has a
+# particle more or less: beside an edge the face is guessed wrong
+FULLNESS = {2: 0.8, 3: 0.65}
+# cosine of the angle of two faces that are taken for the same
+SAME_FACE = 0.5
+# how much more than a difference to the wall's particles one to its face may count
+LARGEST_STRETCH = 3.0
+# part of a lattice's spread along the wall that the water's own particles must have, to tell how it goes on
+LEAST_SPREAD = 0.1
+
+
+@functools.cache
+def plane_kernels(kit: Kit) -> SimpleNamespace:
+    """The kernel `find_planes`, and the functions `mirrored`, `spread` and `strain_beyond`."""
+    real, vec, mat, d = kit.real, kit.vec, kit.mat, kit.dimension
+    apart = list_kernels(kit).apart
+
+    @kit.func(METHOD)
+    def mirrored(square: real, normal_i: vec, normal_j: vec, depth_i: real, depth_j: real) -> real:
+        """Square of the distance to the mirror image of a neighbour; without end if it has none."""
+        if depth_j <= real(0.0) or wp.dot(normal_i, normal_j) < real(SAME_FACE):
+            return real(wp.inf)
+        return square + real(4.0) * depth_i * depth_j
+
+    @kit.func(METHOD)
+    def spread(moments: mat, normal: vec) -> real:
+        """Mean second moment along a face."""
+        return (wp.trace(moments) - wp.dot(normal, moments * normal)) / real(wp.static(d - 1))
+
+    @kit.func(METHOD)
+    def strain_beyond(
+        strain: mat, moments: mat, wall_strain: mat, wall_moments: mat, reach: vec, normal: vec, depth: real
+    ) -> mat:
+        """What a flat wall adds to sum_j u_ij (x) arm_ij, of what its particles and what the water's add.
+
+        Args:
+            strain: Sum over the water's particles.
+            moments: Their sum of arm_ij (x) x_ij.
+            wall_strain: Sum over the wall's particles.
+            wall_moments: Their sum of arm_ij (x) x_ij.
+            reach: Their sum of arm_ij.
+            normal: Normal into the wall.
+            depth: Distance from its face.
+        """
+        across = wp.outer(normal, normal)
+        stretch = wp.dot(normal, wall_moments * normal) / (depth * wp.dot(reach, normal))
+        stretch = wp.clamp(stretch, real(1.0), real(LARGEST_STRETCH))
+        result = wall_strain + (stretch - real(1.0)) * (across * wall_strain)
+        own = spread(moments, normal)
+        if own > real(LEAST_SPREAD):
+            along = wp.identity(n=wp.static(d), dtype=real) - across
+            result += (spread(wall_moments, normal) / own) * (along * strain * along) - along * wall_strain
+        return result
+
+    @kit.kernel(METHOD)
+    def find_planes(
+        # Model:
+        walls: wp.int32,
+        period: vec,
+        radius: real,
+        spacing: real,
+        listed: wp.array(dtype=wp.int32, ndim=2),
+        count: wp.array(dtype=wp.int32),
+        # State in:
+        x: wp.array(dtype=vec),
+        # Out:
+        normal_out: wp.array(dtype=vec),
+        depth_out: wp.array(dtype=real),
+    ):
+        """Normal of the wall beside a fluid particle, and the distance from its face; 0 where it is not flat."""
+        k = wp.tid()
+        i = k + walls
+        x_i = x[i]
+        total = vec()
+        closest = vec()
+        least = radius
+        for m in range(count[i]):
+            j = listed[i, m]
+            if j < walls:
+                x_ij = apart(x_i, x[j], period)
+                r = wp.length(x_ij)
+                if r < radius:
+                    total += (radius - r) * x_ij
+                    if r < least:
+                        least = r
+                        closest = x_ij
+        depth = real(0.0)
+        normal = vec()
+        if least < radius:
+            normal = wp.normalize(total)
+            face = wp.dot(closest, normal)
+            depth = wp.max(face - real(0.5) * spacing, real(LEAST_DEPTH) * spacing)
+            first = wp.int32(0)
+            for m in range(count[i]):
+                j = listed[i, m]
+                if j < walls:
+                    x_ij = apart(x_i, x[j], period)
+                    if wp.length(x_ij) < radius:
+                        above = wp.dot(x_ij, normal) - face
+                        if above < -real(FLATNESS) * spacing:
+                            depth = real(0.0)
+                        elif above < real(0.5) * spacing:
+                            first += 1
+            # what of the face is within reach: a line, or a disc
+            seen = real(2.0) * wp.sqrt(wp.max(radius * radius - face * face, real(0.0))) / spacing
+            if wp.static(d) == 3:
+                seen *= real(0.25 * math.pi) * seen
+            if real(first) < real(wp.static(FULLNESS[d])) * seen:
+                depth = real(0.0)
+        normal_out[k] = normal
+        depth_out[k] = depth
+
+    return SimpleNamespace(find_planes=find_planes, mirrored=mirrored, spread=spread, strain_beyond=strain_beyond)
