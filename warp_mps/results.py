@@ -47,7 +47,8 @@ class RunSummary:
         fluid: Of fluids, particles `lost`, iterations and largest true residual of the pressure solves, and how many
             stayed `unsolved`.
         implicit: Of a static analysis and of implicit steps, what the solvers did: `equilibria` solved,
-            Newton iterations, iterations of the linear solver, largest residual relative to the forces.
+            Newton iterations, iterations of the linear solver, renewals of its coarse level, largest residual
+            relative to the forces.
         coupling: Of water and bodies together: mean and largest number of `passes` of a step until they agreed, steps
             after which they `disagreed` and the largest residual of a step, since the start or the last time the run
             was resumed, and the work of the water on the bodies [J].

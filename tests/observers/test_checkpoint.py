@@ -90,10 +90,11 @@ def test_another_case_is_refused(tmp_path: Path) -> None:
         cp.load_checkpoint(tmp_path, "other")
 
 
-def test_another_version_is_refused(tmp_path: Path) -> None:
+@pytest.mark.parametrize("version", [1, 99])
+def test_another_version_is_refused(tmp_path: Path, version: int) -> None:
     save(tmp_path, 1)
-    rewrite_metadata(tmp_path / cp.NAME, {"version": 99})
-    with pytest.raises(InputError, match="format version 99, this program reads 1"):
+    rewrite_metadata(tmp_path / cp.NAME, {"version": version})
+    with pytest.raises(InputError, match=f"format version {version}, this program reads 2"):
         cp.load_checkpoint(tmp_path, "case")
 
 

@@ -33,7 +33,7 @@ def coupling_kernels(kit: Kit) -> SimpleNamespace:
 
     @kit.func(METHOD)
     def arm(x_i: vec, x_j: vec, tilt: vec, period: vec, radius: real, spacing: real, laplacian: real) -> vec:
-        """The arm x_ij times c."""
+        """The arm x_ij - tilt_i times c."""
         x_ij = apart(x_i, x_j, period)
         square = wp.dot(x_ij, x_ij)
         if square >= radius * radius:

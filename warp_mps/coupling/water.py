@@ -273,17 +273,8 @@ class WetFluids(Fluids):
         self._launch(self._coupling.couple_product, self._m, inputs, [q])
 
     def _respond(self, control: wp.array, p: wp.array, direction: wp.array, out: wp.array) -> None:
-        inputs = [
-            self._walls,
-            *self._geometry(),
-            self._volume,
-            *self._listed(),
-            control,
-            self.state.x,
-            self._tilt,
-            p,
-            direction,
-        ]
+        inputs = [self._walls, *self._geometry(), self._volume, *self._listed(), control, self.state.x, self._tilt]
+        inputs += [p, direction]
         self._launch(self._coupling.respond, self._markers.count, inputs, [out])
 
     def _end(self) -> None:

@@ -17,9 +17,9 @@ runs away; a share of 0.2 does not, and errors still decay in some ten steps.
 Walls are no unknowns: the pressure beyond a wall follows from the wall's acceleration a, p_j - p_i =
 rho (g - a) . x_ij, which goes to the right-hand side; u* of a wall is the velocity that this gradient turns into the
 wall's own. Along a flat wall the conservative scheme adds the water's mirror image (`warp_mps.fluid.planes`), in which
-water at rest, whose pressure differs by rho (g - a) . x_ij, must not count a second time. With `tilt_i`, the sum of
-x_ij over images by the sum over the wall, both with the pairs' coefficients, a wall's particle enters the right-hand
-side by rho (g - a) . (x_ij - tilt_i).
+water at rest, whose pressure differs by rho (g - a) . x_ij, must not count a second time. With c the coefficients of
+the pairs and `tilt_i` the sum of c x_ij over images, divided by the sum of c over the wall's particles, one of these
+enters the right-hand side by rho (g - a) . (x_ij - tilt_i).
 
 Conservative forces push a particle by 2 p_i sum_j c x_ij beyond what a gradient would, and the equation does not know.
 In deep water that feeds back on the pressure of the next step and may grow. Half of the true operator never exceeds

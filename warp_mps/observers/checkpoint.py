@@ -19,7 +19,9 @@ from warp_mps.core.interrupts import hold_interrupts
 from warp_mps.errors import InputError, RunError
 from warp_mps.observers.base import View
 
-VERSION = 1
+# raised whenever what a run goes on from changes its arrays or its meaning: 2 since implicit solids keep a coarse level
+# and water is mirrored in its walls
+VERSION = 2
 NAME = "checkpoint.npz"
 PREVIOUS = "checkpoint.prev.npz"
 METADATA = "metadata"

@@ -13,8 +13,8 @@ import numpy as np
 
 # width of the boxes in particle spacings: narrower ones cost more unknowns than they save iterations
 WIDTH = 4.0
-# wider where a body would have more unknowns than this, and than an inverse that takes as long as a product with the
-# body's tangent: a matrix of so many rows is inverted on the host
+# wider where a body would have more unknowns than the host may invert a matrix of, or a dense inverse of more numbers
+# for each particle: so many take about as long to multiply by as the body's tangent
 MOST_UNKNOWNS = 900
 INVERSE_PER_PARTICLE = 50.0
 GROWTH = 1.15

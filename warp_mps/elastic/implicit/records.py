@@ -6,7 +6,7 @@ from warp_mps.elastic.implicit.newton import Newton
 
 
 def solver_record(newton: Newton) -> dict[str, float]:
-    """Newton iterations, iterations of the linear solver, and the largest residuals, relative to the forces."""
+    """Iterations of both solvers, renewals of the coarse level, and the largest residual, relative to the forces."""
     done, linear = newton.statistics, newton.solver.read_statistics()
     return {
         "equilibria": done.solves,
