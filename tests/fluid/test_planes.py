@@ -56,6 +56,18 @@ def test_beside_an_edge_there_is_no_face() -> None:
     assert depth[row & (x[:, 0] > 3.1 * L0) & (x[:, 0] < 4.6 * L0)].all()
 
 
+def test_between_two_walls_there_is_no_face() -> None:
+    """In the middle of a gap on their lattice, the normal is what rounding makes of none."""
+    fluids = fluids_of(tank((3, 8), room=(3, 14)))
+    x, _, depth = planes(fluids)
+    middle = (np.abs(x[:, 0] - 1.5 * L0) < 0.1 * L0) & (x[:, 1] > 4 * L0)
+    assert middle.any()
+    assert not depth[middle].any()
+    fluids.advance(0.01)
+    assert np.isfinite(fluids.pressures()).all()
+    assert np.isfinite(fluids.velocities()).all()
+
+
 @pytest.mark.parametrize("scheme", ["corrected", "koshizuka_oka"])
 def test_other_schemes_do_not_look_for_faces(scheme: str) -> None:
     fluids = fluids_of(tank(small(2), flow=Flow(scheme=scheme)))

@@ -39,7 +39,15 @@ MAX_ITERATIONS = 2000
 
 def declare_kernels(kit: Kit) -> list[str]:
     """Declare every kernel that fluids need, and return the names of their modules."""
-    for declare in (list_kernels, pressure_kernels, gradient_kernels, motion_kernels, viscous_kernels, volume_kernels):
+    for declare in (
+        list_kernels,
+        plane_kernels,
+        pressure_kernels,
+        gradient_kernels,
+        motion_kernels,
+        viscous_kernels,
+        volume_kernels,
+    ):
         declare(kit)
     return [kit.module(METHOD), *declare_solver(kit), *declare_multilevel(kit), declare_rigid(kit)]
 

@@ -138,7 +138,8 @@ def plane_kernels(kit: Kit) -> SimpleNamespace:
             seen = real(2.0) * wp.sqrt(wp.max(radius * radius - face * face, real(0.0))) / spacing
             if wp.static(d) == 3:
                 seen *= real(0.25 * math.pi) * seen
-            if real(first) < real(wp.static(FULLNESS[d])) * seen:
+            # between two walls the one takes away the normal of the other
+            if face < real(FLATNESS) * spacing or real(first) < real(wp.static(FULLNESS[d])) * seen:
                 depth = real(0.0)
         normal_out[k] = normal
         depth_out[k] = depth
