@@ -28,6 +28,7 @@ def test_what_a_full_lattice_holds(dimension: int, radius: float) -> None:
     assert ops.neighbours == len(r) == {(2, 2.1): 12, (2, 3.1): 28, (3, 2.1): 32, (3, 3.1): 122}[dimension, radius]
     assert ops.radius == pytest.approx(radius * L0)
     assert ops.number_density == pytest.approx(w.sum())
+    assert ops.smooth_density == pytest.approx(1.0 + np.sum((1.0 - (r / ops.radius) ** 2) ** 4))
 
 
 @pytest.mark.parametrize(("dimension", "radius"), CASES)
@@ -64,7 +65,8 @@ def test_the_gradient_of_every_linear_field_is_exact(dimension: int, radius: flo
 def test_factors_scale_with_the_spacing() -> None:
     one, two = operators(2, 1.0, 3.1), operators(2, 2.0, 3.1)
     assert two == Operators(
-        radius=2.0 * one.radius, number_density=one.number_density, neighbours=one.neighbours,
+        radius=2.0 * one.radius, number_density=one.number_density,
+        smooth_density=one.smooth_density, neighbours=one.neighbours,
         divergence=2.0 * one.divergence, laplacian=0.25 * one.laplacian, gradient=one.gradient,
         original_gradient=one.original_gradient, beyond=one.beyond,
     )  # fmt: skip

@@ -1,4 +1,4 @@
-"""Volumes that particles take up: of lattices, swollen and stirred ones, drops, and what has left the domain."""
+"""Volumes that particles take up: of lattices, swollen, strained and stirred ones, drops, and what has left."""
 
 from __future__ import annotations
 
@@ -8,6 +8,8 @@ import pytest
 from tests.fluid.scenes import KINDS, L0, fluids_of, pairs, periodic_box, scene_of, small, stir, tank, tolerance, water
 from tests.fluid.scenes import wall_count as walls_of
 from warp_mps.fluid.pressure import SURFACE_DENSITY, SURFACE_NEIGHBOURS
+from warp_mps.fluid.volumes import AIR
+from warp_mps.scene import Flow
 
 
 @pytest.mark.parametrize(("dimension", "precision"), KINDS)
@@ -19,11 +21,13 @@ def test_volumes_against_numpy(dimension: int, precision: str) -> None:
     fluids.state.lost.assign(lost)
     fluids.lists.renew(fluids.state.x, fluids.state.lost)
     w, ops, cell = walls_of(fluids), fluids.operators, L0**dimension
-    _, _, weights = pairs(fluids)
+    _, r, weights = pairs(fluids)
     weights[:, -1] = weights[-1] = 0.0
+    s = 1.0 + np.where(weights > 0.0, (1.0 - (r / ops.radius) ** 2) ** 4, 0.0)[w:].sum(axis=1)
     n, near = weights[w:].sum(axis=1) / ops.number_density, (weights[w:] > 0.0).sum(axis=1)
     inside = (n >= SURFACE_DENSITY) | (near >= SURFACE_NEIGHBOURS * ops.neighbours)
-    expected = np.where(inside, cell / np.where(inside, n, 1.0), cell)
+    airy = s < AIR * ops.smooth_density
+    expected = np.where(inside & ~airy, cell * ops.smooth_density / s, cell)
     expected[-1] = 0.0
     assert 0 < inside.sum() < len(inside)
     found = fluids.volumes()
@@ -41,7 +45,6 @@ def test_a_lattice_takes_up_its_cells(dimension: int) -> None:
 
 
 def test_a_swelling_is_seen_and_spray_keeps_its_volume() -> None:
-    """With n = sum (r_e/r - 1), d ln n is -1.24 d ln V: the least change is overstated rather than missed."""
     fluids = fluids_of(scene_of(water([0.0, 0.0], [20 * L0, 20 * L0])))
     whole = fluids.volumes().sum()
     assert whole == pytest.approx(400 * L0**2, rel=5e-4)
@@ -51,7 +54,34 @@ def test_a_swelling_is_seen_and_spray_keeps_its_volume() -> None:
         fluids.state.x.assign(growth * x)
         fluids.lists.renew(fluids.state.x, fluids.state.lost)
         swollen = fluids.volumes()[middle].mean() / L0**2 - 1.0
-        assert swollen == pytest.approx(1.25 * (growth**2 - 1.0), rel=0.05)
+        assert swollen == pytest.approx(growth**2 - 1.0, rel=0.01)
     fluids.state.x.assign(3.2 * x)
     fluids.lists.renew(fluids.state.x, fluids.state.lost)
     assert fluids.volumes().sum() == pytest.approx(400 * L0**2)
+
+
+@pytest.mark.parametrize(("dimension", "most"), [(2, 5e-4), (3, 2e-3)])
+def test_a_lattice_that_is_drawn_out_keeps_its_volume(dimension: int, most: float) -> None:
+    """By a twentieth, along an axis that its surface is far away from."""
+    strain = np.array([1.05, 1.0 / 1.05, 1.0][:dimension])
+    cells = (14,) * dimension
+    fluids = fluids_of(scene_of(water([0.0] * dimension, [n * L0 for n in cells]), dimension=dimension))
+    x = fluids.state.x.numpy().copy()
+    middle = np.all(np.abs(x - 7 * L0) < 3 * L0, axis=1)
+    fluids.state.x.assign(strain * x)
+    fluids.lists.renew(fluids.state.x, fluids.state.lost)
+    assert fluids.volumes()[middle].mean() == pytest.approx(L0**dimension, rel=most)
+
+
+@pytest.mark.parametrize("scheme", ["conservative", "corrected"])
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_water_in_disorder_takes_up_what_it_has(dimension: int, scheme: str) -> None:
+    """Stirred in a box that repeats itself; by its number density it would take up 1 to 6 % less.
+
+    Without shifts it gathers in clumps, where in 3-D a few particles seem to have air beside them.
+    """
+    clumps = scheme == "conservative"
+    fluids = fluids_of(periodic_box((24,) * 2 if dimension == 2 else (10,) * 3, flow=Flow(scheme=scheme)))
+    stir(fluids, amount=0.25, speed=0.1)
+    fluids.advance(0.8)
+    assert fluids.volumes().mean() == pytest.approx(L0**dimension, rel=0.015 if clumps and dimension == 3 else 2e-3)

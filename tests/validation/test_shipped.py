@@ -93,8 +93,7 @@ FLUID_TOLERANCES: dict[str, dict[str, float]] = {
         "pressure on the side": 0.01,
         "level at the end": 0.003,
         "push on the right side": 0.015,
-        # densities up to 1 % above a lattice's are taken for disorder
-        "volume at the end": 0.006,
+        "volume at the end": 0.003,
     },
     # crests of little more than a spacing lose height
     "standing_wave": {
@@ -105,7 +104,8 @@ FLUID_TOLERANCES: dict[str, dict[str, float]] = {
     "sloshing_tank": {
         "period of the pressure on the left": 0.01,
         "period of the centre of mass": 0.01,
-        "volume at the end": 0.015,
+        # water swells where disorder makes densities more than 1 % too large: 0.013 to 0.017
+        "volume at the end": 0.02,
     },
     # no barrier has to be lifted, so that all are ahead of the experiment: potential flow by 19.8, 12.9, 16.1, 13.8 %
     "dam_break": {
@@ -142,7 +142,7 @@ FLUID_TOLERANCES: dict[str, dict[str, float]] = {
         "pressure in the middle at the start": 0.02,
         "angular momentum at the end": 0.003,
         "kinetic energy at the end": 0.005,
-        "volume at the end": 0.005,
+        "volume at the end": 0.002,
     },
 }
 

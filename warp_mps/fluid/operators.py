@@ -36,6 +36,7 @@ class Operators:
     Attributes:
         radius: Effective radius r_e [m].
         number_density: Number density n0 of a full lattice [-].
+        smooth_density: Smooth number density S0 of a full lattice [-], see `warp_mps.fluid.volumes`.
         neighbours: Number of neighbours in a full lattice.
         divergence: Factor of the divergence [m].
         laplacian: Factor of the Laplacian [1/m^2].
@@ -46,6 +47,7 @@ class Operators:
 
     radius: float
     number_density: float
+    smooth_density: float
     neighbours: int
     divergence: float
     laplacian: float
@@ -68,6 +70,7 @@ def operators(dimension: int, spacing: float, effective_radius: float) -> Operat
     return Operators(
         radius=effective_radius * spacing,
         number_density=float(w.sum()),
+        smooth_density=float(1.0 + np.sum((1.0 - (r / effective_radius) ** 2) ** 4)),
         neighbours=len(r),
         divergence=float(dimension / np.sum(1.0 / r)) * spacing,
         laplacian=float(2.0 * dimension / np.sum(w * r**2)) / spacing**2,

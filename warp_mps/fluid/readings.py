@@ -71,8 +71,8 @@ class FluidReadings:
         """Volumes that the fluid's particles take up, 0 on walls [m^d], shape [n]; see `warp_mps.fluid.volumes`."""
         state, ops = self.state, self.operators
         shares = wp.zeros(self._m, dtype=state.n.dtype, device=self._device)
-        inputs = [self._walls, self.lists.period, ops.radius, self._spacing, ops.number_density, float(ops.neighbours)]
-        inputs += [*self._listed(), state.x, state.lost]
+        inputs = [self._walls, self.lists.period, ops.radius, self._spacing, ops.number_density, ops.smooth_density]
+        inputs += [float(ops.neighbours), *self._listed(), state.x, state.lost]
         self._launch(volume_kernels(self._kit).take_up, self._m, inputs, [shares])
         return np.concatenate((np.zeros(self._walls), self._volume * self._ordered(shares.numpy())))
 

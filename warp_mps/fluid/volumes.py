@@ -1,9 +1,18 @@
 """The volumes that particles take up, whose sum an incompressible fluid keeps.
 
-A particle inside has l0^d n0/n: more than a cell of the lattice where its neighbours have come apart, less where they
-are squeezed. What a particle of the free surface takes up beyond its neighbours cannot be known from where they are: it
-counts as a cell of the lattice, and so does a single drop. n falls a little faster than the volume grows (by 1.24 in
-2-D), so that what the sum loses or gains is overstated.
+A particle inside has l0^d S0/S: more than a cell of the lattice where its neighbours have come apart, less where they
+are squeezed. S is its density as SPH would sum it, with a smooth kernel and the particle itself, S0 that of a lattice:
+
+    S_i = 1 + sum_j (1 - r^2/r_e^2)^4
+
+What a particle of the free surface takes up beyond its neighbours cannot be known from where they are: it counts as a
+cell of the lattice, and so do a single drop and a particle that has air beside it, S < 0.9 S0.
+
+S falls as the volume grows, and hardly sees how particles lie that fill it. Stirred water in a box that repeats itself
+was measured to take up what it has within 0.1 % in 2-D and in 3-D, but 1 % less where nothing shifts it in 3-D and it
+gathers in clumps. By the number density n, which the closest pairs make larger, it takes up 1 to 6 % less; by S with
+Wendland's C2 kernel up to 1 % less in 2-D and 4 % less in 3-D. In splashes the cells of Voronoi's diagram, far from the
+surface, were 0.0 to 0.4 % smaller.
 """
 
 import functools
@@ -15,12 +24,22 @@ from warp_mps.core.kit import Kit
 from warp_mps.fluid.lists import METHOD, list_kernels
 from warp_mps.fluid.pressure import CLOSEST, SURFACE_DENSITY, SURFACE_NEIGHBOURS, pressure_kernels
 
+# below this share of a full lattice's smooth density a particle has air beside it
+AIR = 0.9
+
 
 @functools.cache
 def volume_kernels(kit: Kit) -> SimpleNamespace:
     """The kernel `take_up`."""
     real, vec = kit.real, kit.vec
     apart, weight = list_kernels(kit).apart, pressure_kernels(kit).weight
+
+    @kit.func(METHOD)
+    def smooth(r: real, radius: real) -> real:
+        """(1 - r^2/r_e^2)^4, for r within r_e."""
+        q = r / radius
+        s = real(1.0) - q * q
+        return s * s * s * s
 
     @kit.kernel(METHOD)
     def take_up(
@@ -30,6 +49,7 @@ def volume_kernels(kit: Kit) -> SimpleNamespace:
         radius: real,
         spacing: real,
         n0: real,
+        s0: real,
         full: real,
         listed: wp.array(dtype=wp.int32, ndim=2),
         count: wp.array(dtype=wp.int32),
@@ -43,15 +63,19 @@ def volume_kernels(kit: Kit) -> SimpleNamespace:
         k = wp.tid()
         i = k + walls
         n = real(0.0)
+        # the particle itself
+        s = real(1.0)
         near = wp.int32(0)
         for m in range(count[i]):
             r = wp.length(apart(x[i], x[listed[i, m]], period))
             if r < radius:
                 n += weight(wp.max(r, real(CLOSEST) * spacing), radius)
+                s += smooth(r, radius)
                 near += 1
         share = real(1 - lost[i])
-        if n >= real(SURFACE_DENSITY) * n0 or real(near) >= real(SURFACE_NEIGHBOURS) * full:
-            share = n0 / n
+        inside = n >= real(SURFACE_DENSITY) * n0 or real(near) >= real(SURFACE_NEIGHBOURS) * full
+        if inside and s >= real(AIR) * s0:
+            share = s0 / s
         share_out[k] = share
 
     return SimpleNamespace(take_up=take_up)
