@@ -28,8 +28,9 @@ SECONDS_OF_FRICTION = {2: 13e-9, 3: 28e-9}
 # particles took 0.8 to 1.1 and 0.7 to 1.8 us
 SECONDS_PER_FLUID_STEP = {2: 1.2e-6, 3: 1.6e-6}
 # bytes that a particle of a scene of fluids takes, walls and what the water sees of bodies included; tanks of 0.04 and
-# 0.14 million particles were measured to need 1620 in 2-D and 3310 in 3-D, and less where most are of walls
-BYTES_OF_FLUID = {2: 1700, 3: 3500}
+# 0.13 million particles were measured to need 1610 in 2-D and 1930 in 3-D, and less where most are of walls; where
+# clusters make lists grow, which dam breaks have not, twice the room takes 1000 and 1600 more
+BYTES_OF_FLUID = {2: 1700, 3: 2100}
 # bytes that a particle of a body and a pair take (2-D, 3-D); blocks of 0.16 and 0.04 million particles were measured to
 # need 1200 and 1820 a particle, at the peak, where these figures give 1220 and 1860
 BYTES_PER_PARTICLE = {2: 900, 3: 1000}

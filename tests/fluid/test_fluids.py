@@ -221,6 +221,18 @@ def test_lists_grow_where_particles_crowd(viscosity: float) -> None:
             np.testing.assert_array_equal(getattr(other, name), getattr(runs[0], name), err_msg=name)
 
 
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_lists_have_room_for_the_crowds_of_a_dam_break(dimension: int) -> None:
+    cells, room = ((12, 24), (36, 26)) if dimension == 2 else ((6, 12, 6), (18, 14, 6))
+    fluids = fluids_of(tank(cells, room=room))
+    room_first, full, most = fluids.lists.listed.shape[1], fluids.lists.count.numpy().max(), 0
+    for _ in range(30):
+        fluids.advance(fluids.time + 10 * fluids.step_limit)
+        most = max(most, fluids.lists.count.numpy().max())
+    assert most > 1.04 * full
+    assert fluids.lists.listed.shape[1] == room_first
+
+
 @pytest.mark.parametrize("graphs", [True, False])
 def test_a_particle_that_runs_away_ends_the_run_at_once(graphs: bool) -> None:
     """Else its speed would make the steps so short that the run no longer gets on."""

@@ -9,7 +9,7 @@ import warp as wp
 from tests.fluid.scenes import KINDS, apart
 from warp_mps.core.device import open_device
 from warp_mps.core.kit import kit
-from warp_mps.fluid.lists import MOST_ROOM, NeighbourLists
+from warp_mps.fluid.lists import MOST_ROOM, NeighbourLists, even_neighbours
 from warp_mps.fluid.operators import SKIN
 
 L0 = 0.1
@@ -200,6 +200,14 @@ def test_lists_grow_until_a_crowd_has_room() -> None:
         if lists.can_grow:
             lists.grow()
     assert lists.listed.shape[1] == MOST_ROOM * room
+
+
+@pytest.mark.parametrize(
+    ("dimension", "radius", "expected"), [(2, 3.1, 36), (2, 2.1, 20), (2, 1.9, 14), (3, 2.1, 57), (3, 1.4, 20)]
+)
+def test_the_neighbours_of_even_water(dimension: int, radius: float, expected: int) -> None:
+    """By hand, with a margin of 0.3: shells of the lattice, or what a ball holds where the next one is close."""
+    assert even_neighbours(dimension, radius) == expected
 
 
 def test_no_crowd_is_reported_where_there_is_none() -> None:

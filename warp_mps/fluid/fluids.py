@@ -17,7 +17,7 @@ from warp_mps.errors import RunError
 from warp_mps.fluid.failures import FluidFailures
 from warp_mps.fluid.gradient import gradient_kernels
 from warp_mps.fluid.limits import domain, step_limit
-from warp_mps.fluid.lists import METHOD, NeighbourLists, list_kernels
+from warp_mps.fluid.lists import METHOD, NeighbourLists, even_neighbours, list_kernels
 from warp_mps.fluid.motion import COLLISION, KEPT_APART, motion_kernels
 from warp_mps.fluid.operators import operators
 from warp_mps.fluid.planes import plane_kernels
@@ -93,8 +93,8 @@ class Fluids(FluidFailures):
         self._low, self._high = domain(scene, particles)
         self.lists = NeighbourLists(
             particles.count, walls=self._walls, low=self._low, high=self._high, periodic=flow.periodic,
-            radius=self.operators.radius, spacing=fluid.spacing, neighbours=self.operators.neighbours,
-            kit=kit, device=device,
+            radius=self.operators.radius, spacing=fluid.spacing, kit=kit, device=device,
+            neighbours=even_neighbours(kit.dimension, flow.radius(kit.dimension)),
         )  # fmt: skip
         original = self._scheme == KOSHIZUKA_OKA
         self._slope = self.operators.original_gradient if original else self.operators.gradient
