@@ -206,7 +206,10 @@ def test_a_body_in_water_that_is_not_finite(
     if way is IMPLICIT:
         assert re.search(r"the step from 0\.06 to \S+ s was not solved: .*; particle \d+ of body 'gate'", line)
     else:
-        assert re.search(rf"at t = 0\.07 s: the position of {PLACE} is not finite", line)
+        assert re.search(
+            rf"at t = 0\.06 s: (the position of )?{PLACE} .*: the forces between water and bodies are no", line
+        )
+        assert "particle 9 of body 'gate'" in line
 
 
 def test_a_body_in_water_that_explodes(
@@ -214,7 +217,8 @@ def test_a_body_in_water_that_explodes(
 ) -> None:
     poke(monkeypatch, 0.055, lambda system: put("v", 1e5, at=9)(system.solid))
     line = failed(gate(), tmp_path, capsys)
-    assert re.search(rf"at t = 0\.06\d* s: {PLACE} at \(.*\) m moves at \S+ m/s: time stands still", line)
+    assert re.search(rf"at t = 0\.06\d* s: {PLACE} at \(.*\) m moves at \S+ m/s: ", line)
+    assert line.endswith(("time stands still", "the forces between water and bodies are no numbers any more"))
 
 
 def test_water_and_bodies_that_are_at_odds(

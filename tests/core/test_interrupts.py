@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import signal
 import threading
+import time
 from collections.abc import Iterator
 
 import pytest
@@ -85,6 +86,28 @@ def test_the_second_interrupt_does_not_stop_what_the_first_sets_off() -> None:
     with pytest.raises(KeyboardInterrupt):
         work()
     assert done == ["kept"]
+
+
+def test_an_interrupt_in_a_finalizer_takes_effect_after_it() -> None:
+    """An exception in there would be printed and forgotten."""
+    done = []
+
+    class Fragile:
+        def __del__(self) -> None:
+            signal.raise_signal(signal.SIGINT)
+            done.append("finalized")
+
+    @single_interrupt()
+    def work() -> None:
+        fragile = Fragile()
+        del fragile
+        done.append("went on")
+        time.sleep(5.0)
+        done.append("never")
+
+    with pytest.raises(KeyboardInterrupt):
+        work()
+    assert done == ["finalized", "went on"]
 
 
 def test_a_held_interrupt_is_the_first() -> None:

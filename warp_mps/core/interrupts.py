@@ -1,5 +1,6 @@
 """Work that must not be torn apart by Ctrl-C, and what an interrupt sets off, by a second one."""
 
+import _thread
 import contextlib
 import signal
 import threading
@@ -25,9 +26,23 @@ def hold_interrupts() -> Iterator[None]:
         handler(*held[0])
 
 
+# time after which an interrupt comes back that met a finalizer [s]
+LATER = 0.01
+
+
+def _finalizes(frame: FrameType | None) -> bool:
+    """Whether a frame belongs to a finalizer: an exception there is printed and forgotten."""
+    while frame is not None and frame.f_code.co_name != "__del__":
+        frame = frame.f_back
+    return frame is not None
+
+
 @contextlib.contextmanager
 def single_interrupt() -> Iterator[None]:
-    """Let the first interrupt (SIGINT) take effect and no other, so that what it sets off comes to its end."""
+    """Let the first interrupt (SIGINT) take effect and no other, so that what it sets off comes to its end.
+
+    One that arrives in a finalizer takes effect a little later.
+    """
     handler = signal.getsignal(signal.SIGINT)
     if threading.current_thread() is not threading.main_thread() or not callable(handler):
         yield
@@ -36,7 +51,9 @@ def single_interrupt() -> Iterator[None]:
 
     def once(number: int, frame: FrameType | None) -> None:
         nonlocal interrupted
-        if not interrupted:
+        if not interrupted and _finalizes(frame):
+            threading.Timer(LATER, _thread.interrupt_main).start()
+        elif not interrupted:
             interrupted = True
             handler(number, frame)
 

@@ -201,7 +201,11 @@ class WetFluids(Fluids):
         self._launch(self._coupling.stiffen, self._m, inputs, [self._matrix.diagonal, self._own])
 
     def _agree(self, time: float) -> np.ndarray:
-        """Forces on the markers that agree with the pressures, and those that the equation answered to."""
+        """Forces on the markers that agree with the pressures, and those that the equation answered to.
+
+        Raises:
+            RunError: The forces are not finite.
+        """
         forces: np.ndarray = self._guess
         for count in range(1, MOST_PASSES + 1):
             self._take(forces, time, trial=True)
@@ -211,9 +215,12 @@ class WetFluids(Fluids):
                 self._replay("project again", functools.partial(self._project, same=True))
             found = np.stack((self._pressed.numpy(), self._approximate.numpy().astype(float)))
             scale = float(np.linalg.norm(found))
+            if not math.isfinite(scale):
+                reason = "the forces between water and bodies are no numbers any more"
+                raise RunError(f"at t = {self.time:.6g} s: {self._astray()}: {reason}")
             residual = float(np.linalg.norm(found - forces)) / scale if scale > 0.0 else 0.0
             self._newton.add(forces.ravel(), found.ravel())
-            if residual <= TOLERANCE or not np.isfinite(residual):
+            if residual <= TOLERANCE:
                 break
             if count < MOST_PASSES:
                 forces = self._newton.propose().reshape(forces.shape)
@@ -222,6 +229,11 @@ class WetFluids(Fluids):
         self.mobility.heed(count)
         self.exchange.add(count, residual, agreed=residual <= TOLERANCE)
         return found
+
+    def _astray(self) -> str:
+        """A marker whose place is no number, or the fastest particle."""
+        wrong = np.flatnonzero(~np.isfinite(self.state.x.numpy()[: self._markers.count]).all(axis=1))
+        return f"the position of {self._which(wrong[0])} is not finite" if len(wrong) else self.fastest()
 
     def _take(self, forces: np.ndarray, time: float, *, trial: bool = False) -> None:
         """Take the bodies' step under forces on the markers."""

@@ -76,7 +76,8 @@ def plane_kernels(kit: Kit) -> SimpleNamespace:
             depth: Distance from its face.
         """
         across = wp.outer(normal, normal)
-        stretch = wp.dot(normal, wall_moments * normal) / (depth * wp.dot(reach, normal))
+        lever = wp.max(depth * wp.dot(reach, normal), real(1.0e-6) * wp.trace(wall_moments))
+        stretch = wp.dot(normal, wall_moments * normal) / lever
         stretch = wp.clamp(stretch, real(1.0), real(LARGEST_STRETCH))
         result = wall_strain + (stretch - real(1.0)) * (across * wall_strain)
         own = spread(moments, normal)
