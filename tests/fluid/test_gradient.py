@@ -41,6 +41,7 @@ def pushed(fluids: Fluids, p: np.ndarray) -> np.ndarray:
     fluids.state.p.assign(p)
     w = wall_count(fluids)
     before = fluids.state.u.numpy().astype(float)[w:]
+    fluids._find_slopes()
     fluids._push()
     fluids._collide()
     fluids._finish()

@@ -309,10 +309,11 @@ class Fluids(FluidFailures):
             self._launch(plane_kernels(self._kit).find_planes, self._m, [*inputs, self.state.x], outputs)
 
     def _project(self) -> None:
-        """Pressures that keep the fluid's density."""
+        """Pressures that keep the fluid's density, and their slopes along walls."""
         state, matrix = self.state, self._matrix
         self._solver.solve(matrix, self._rhs, state.p)
         self._lift(matrix.singular)
+        self._find_slopes()
 
     def _lift(self, singular: wp.array | None) -> None:
         """Clip pressures, or make the least one 0."""
@@ -331,7 +332,6 @@ class Fluids(FluidFailures):
         state, ops, lists = self.state, self.operators, self.lists
         _, gradient, motion = self._kernels
         head = [self._scheme, self._clip, lists.period, ops.radius, self._slope, self._density]
-        self._find_slopes()
         inputs = [self._walls, *head, self._gravity, *self._listed(), self._dt, state.x, state.a, state.p, self._scale]
         inputs.append(self._along)
         self._launch(gradient.push, self._m, inputs, [self._du])

@@ -31,8 +31,8 @@ from warp_mps.fluid.lists import METHOD, list_kernels
 
 # in spacings: how far a wall's particles may lie before its face, and the least distance from it that is believed
 FLATNESS, LEAST_DEPTH = 0.3, 0.25
-# share of what would be seen of an endless face that must be there, where a lattice has a
-# particle more or less: beside an edge the face is guessed wrong
+# share of what would be seen of an endless face that must be there, give or take a particle of a lattice: beside an
+# edge the face is guessed wrong
 FULLNESS = {2: 0.8, 3: 0.65}
 # cosine of the angle of two faces that are taken for the same
 SAME_FACE = 0.5
