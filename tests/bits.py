@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from warp_mps.run.simulation import Simulation
 from warp_mps.scene import Scene
-from warp_mps.simulation import Simulation
 
 State = dict[str, np.ndarray]
 # what is shown of a moment that is restored, before the run goes on

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from warp_mps.run.simulation import Simulation
 from warp_mps.scene import Body, Elasticity, Material, Scene
 from warp_mps.shapes import Box
-from warp_mps.simulation import Simulation
 
 RUBBER = Material(1000.0, 1e7, 0.3)
 STEEL = Material(3000.0, 5e7, 0.1)

@@ -7,14 +7,14 @@ import pytest
 
 from tests.bits import assert_same_bits
 from tests.coupling.scenes import WAYS, afloat
+from tests.elastic.damping.test_damping import viscous
 from tests.elastic.implicit.test_static import cantilever
-from tests.elastic.implicit.test_theta import rod
-from tests.elastic.test_viscosity import viscous
+from tests.elastic.implicit.test_theta_rule import rod
 from tests.fluid.test_fluids import splash
 from tests.scenes import HAMILTONIAN, SPRINGS, block, scene_of
+from warp_mps.run.simulation import Simulation
 from warp_mps.scene import Contact, Scene
 from warp_mps.shapes import Box
-from warp_mps.simulation import Simulation
 
 pytestmark = pytest.mark.gpu
 

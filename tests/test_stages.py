@@ -8,11 +8,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from warp_mps.catalogue import shipped_cases
-from warp_mps.history import read_history
-from warp_mps.runs import run_scene
+from warp_mps.results.history import read_history
+from warp_mps.run.run import run_scene
 from warp_mps.scene import Scene
-from warp_mps.usd.read import read_stage
+from warp_mps.usd.case.read import read_stage
+from warp_mps.usd.shipped_cases import shipped_cases
 
 CASES = shipped_cases()
 PROMISED = (

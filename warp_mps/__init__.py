@@ -18,11 +18,11 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from warp_mps.catalogue import find_case, shipped_cases
     from warp_mps.errors import InputError, RunError
-    from warp_mps.history import read_history
-    from warp_mps.results import RunSummary, read_summary
-    from warp_mps.runs import run_scene
+    from warp_mps.results.history import read_history
+    from warp_mps.results.summary import RunSummary, read_summary
+    from warp_mps.run.run import run_scene
+    from warp_mps.run.simulation import Simulation
     from warp_mps.scene import (
         Body,
         Contact,
@@ -46,28 +46,28 @@ if TYPE_CHECKING:
         Wall,
     )
     from warp_mps.shapes import Box, Cylinder, Mesh, Points, Sphere
-    from warp_mps.simulation import Simulation
-    from warp_mps.usd.read import read_stage
-    from warp_mps.usd.save import save_stage
+    from warp_mps.usd.case.read import read_stage
+    from warp_mps.usd.case.save import save_stage
+    from warp_mps.usd.shipped_cases import find_case, shipped_cases
 
 __version__ = "0.1.0"
 
 # where each public name is defined; they are imported when they are first used, for Warp and USD take seconds to load
 _HOMES = {
-    "warp_mps.catalogue": ("find_case", "shipped_cases"),
+    "warp_mps.usd.shipped_cases": ("find_case", "shipped_cases"),
     "warp_mps.errors": ("InputError", "RunError"),
-    "warp_mps.history": ("read_history",),
-    "warp_mps.results": ("RunSummary", "read_summary"),
-    "warp_mps.runs": ("run_scene",),
+    "warp_mps.results.history": ("read_history",),
+    "warp_mps.results.summary": ("RunSummary", "read_summary"),
+    "warp_mps.run.run": ("run_scene",),
     "warp_mps.scene": (
         *("Body", "Contact", "Elasticity", "Flow", "Fluid", "HarmonicMotion", "HarmonicRotation", "Liquid", "Load"),
         *("Material", "Measurement"),
         *("Part", "Probe", "Scene", "StageFrame", "Support", "TableMotion", "TableRotation", "VelocityField", "Wall"),
     ),
     "warp_mps.shapes": ("Box", "Cylinder", "Mesh", "Points", "Sphere"),
-    "warp_mps.simulation": ("Simulation",),
-    "warp_mps.usd.read": ("read_stage",),
-    "warp_mps.usd.save": ("save_stage",),
+    "warp_mps.run.simulation": ("Simulation",),
+    "warp_mps.usd.case.read": ("read_stage",),
+    "warp_mps.usd.case.save": ("save_stage",),
 }
 _HOME_OF = {name: home for home, names in _HOMES.items() for name in names}
 

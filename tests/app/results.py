@@ -7,10 +7,10 @@ from pathlib import Path
 import numpy as np
 
 from tests.scenes import RUBBER
-from warp_mps.particles import Particles, fill_scene
+from warp_mps.particles.filling import Particles, fill_scene
 from warp_mps.scene import Body, Scene, StageFrame, Wall
 from warp_mps.shapes import Box
-from warp_mps.usd.animation import AnimationWriter
+from warp_mps.usd.animation.writer import AnimationWriter
 
 RATE = 100.0
 # a plane that is upright in a stage whose unit is the centimetre

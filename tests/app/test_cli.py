@@ -14,14 +14,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.usd.stages import write
-from warp_mps.app import bench_coupling
+from tests.usd.case.stages import write
+from warp_mps.app.bench import coupling as bench_coupling
 from warp_mps.app.cli import COMMANDS, main
-from warp_mps.catalogue import shipped_cases
-from warp_mps.history import read_history
+from warp_mps.results.history import read_history
 from warp_mps.scene import Fluid, Material, Probe, Scene
 from warp_mps.shapes import Box
-from warp_mps.usd.save import save_stage
+from warp_mps.usd.case.save import save_stage
+from warp_mps.usd.shipped_cases import shipped_cases
 
 SHAKEN = {"Beam": ("double3 mps:velocity = (1, 0, 0)",), "Tip": ("Xform", 'token mps:role = "probe"')}
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.usd.stages import write
+from tests.usd.case.stages import write
 from warp_mps.app.cli import main
 
 SUPPORT = ("Cube", 'token mps:role = "support"', "double size = 0.1", "double3 xformOp:translate = (9, 9, 0)")

@@ -8,8 +8,8 @@ import pytest
 import warp as wp
 
 from warp_mps.core.device import load_modules, open_device
-from warp_mps.core.kit import kit
 from warp_mps.core.neighbours import METHOD, neighbour_kernels
+from warp_mps.core.types import numeric_types
 from warp_mps.errors import InputError
 
 
@@ -25,8 +25,8 @@ def test_an_unknown_device_is_refused_with_what_there_is(name: str) -> None:
 
 def test_compiling_is_announced_and_loading_is_not(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     device = open_device("cpu")
-    neighbour_kernels(kit(2))
-    names, said = [kit(2).module(METHOD)], []
+    neighbour_kernels(numeric_types(2))
+    names, said = [numeric_types(2).module(METHOD)], []
     load_modules(names, device)
     load_modules(names, device, said.append)
     assert said == []

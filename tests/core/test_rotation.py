@@ -11,11 +11,11 @@ from scipy.spatial.transform import Rotation, Slerp
 from tests.core.rotors import matrices_of, rotors_of, turned
 from tests.scenes import random
 from warp_mps.core.device import open_device
-from warp_mps.core.kit import Kit, kit
 from warp_mps.core.rotation import identity_rotors, rotation_funcs, rotation_vectors
+from warp_mps.core.types import NumericTypes, numeric_types
 
 METHOD = "rotation_test"
-KITS = [kit(dimension, precision) for dimension in (2, 3) for precision in ("float64", "float32")]
+KITS = [numeric_types(dimension, precision) for dimension in (2, 3) for precision in ("float64", "float32")]
 DOUBLE = [numbers for numbers in KITS if numbers.precision == "float64"]
 COUNT = 50
 # some roundings of each precision
@@ -23,21 +23,21 @@ ROUNDING = {"float64": 2e-15, "float32": 1e-6}
 
 
 @functools.cache
-def pair_kernels(kit: Kit) -> SimpleNamespace:
+def pair_kernels(types: NumericTypes) -> SimpleNamespace:
     """A kernel for each function of rotations."""
-    funcs = rotation_funcs(kit, METHOD)
+    funcs = rotation_funcs(types, METHOD)
     mean_rotor, turn, torque_share, cross = funcs.mean_rotor, funcs.turn, funcs.torque_share, funcs.cross
     advance = funcs.advance
-    rotor, vec, spin, real = kit.rotor, kit.vec, kit.spin, kit.real
+    rotor, vec, spin, real = types.rotor, types.vec, types.spin, types.real
 
-    @kit.kernel(METHOD)
+    @types.kernel(METHOD)
     def turn_pairs(
         q: wp.array(dtype=rotor), q_other: wp.array(dtype=rotor), x: wp.array(dtype=vec), out: wp.array(dtype=vec)
     ):
         i = wp.tid()
         out[i] = turn(mean_rotor(q[i], q_other[i]), x[i])
 
-    @kit.kernel(METHOD)
+    @types.kernel(METHOD)
     def share_torque(
         q: wp.array(dtype=rotor),
         q_other: wp.array(dtype=rotor),
@@ -51,7 +51,7 @@ def pair_kernels(kit: Kit) -> SimpleNamespace:
         total_out[i] = cross(x[i] + turn(m, x[i]), force[i])
         share_out[i] = torque_share(q[i], m, total_out[i])
 
-    @kit.kernel(METHOD)
+    @types.kernel(METHOD)
     def spin_on(q: wp.array(dtype=rotor), omega: wp.array(dtype=spin), dt: real, steps: wp.int32):
         i = wp.tid()
         for _ in range(steps):
@@ -65,12 +65,12 @@ def _device() -> None:
     open_device("cpu")
 
 
-def vectors(numbers: Kit, size: float, seed: int = 0) -> np.ndarray:
+def vectors(numbers: NumericTypes, size: float, seed: int = 0) -> np.ndarray:
     """Random rotation vectors, no longer than a size [rad]."""
     return random(COUNT, 2 * numbers.dimension - 3, seed=seed) * size / np.sqrt(2 * numbers.dimension - 3)
 
 
-def turn(numbers: Kit, q: np.ndarray, q_other: np.ndarray, x: np.ndarray) -> np.ndarray:
+def turn(numbers: NumericTypes, q: np.ndarray, q_other: np.ndarray, x: np.ndarray) -> np.ndarray:
     """R X - X of the mean rotations, shape [n, d]."""
     out = wp.zeros(len(x), dtype=numbers.vec)
     inputs = [wp.array(q, dtype=numbers.rotor), wp.array(q_other, dtype=numbers.rotor), wp.array(x, dtype=numbers.vec)]
@@ -87,7 +87,7 @@ def mean_vectors(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 
 
 @pytest.mark.parametrize("numbers", KITS, ids=str)
-def test_a_pair_turns_by_its_mean_rotation(numbers: Kit) -> None:
+def test_a_pair_turns_by_its_mean_rotation(numbers: NumericTypes) -> None:
     a = vectors(numbers, 2.0)
     b = a + vectors(numbers, 0.6, seed=1)
     x = random(COUNT, numbers.dimension, seed=2)
@@ -97,7 +97,7 @@ def test_a_pair_turns_by_its_mean_rotation(numbers: Kit) -> None:
 
 
 @pytest.mark.parametrize("numbers", KITS, ids=str)
-def test_small_rotations_keep_their_digits(numbers: Kit) -> None:
+def test_small_rotations_keep_their_digits(numbers: NumericTypes) -> None:
     """R X - X of 1e-6 rad is 1e-6 X, to the precision's digits of that and not of X."""
     small = vectors(numbers, 1e-6)
     x = random(COUNT, numbers.dimension, seed=2)
@@ -108,7 +108,7 @@ def test_small_rotations_keep_their_digits(numbers: Kit) -> None:
 
 
 @pytest.mark.parametrize("numbers", DOUBLE, ids=str)
-def test_torque_shares_are_the_gradient_of_the_mean_rotation(numbers: Kit) -> None:
+def test_torque_shares_are_the_gradient_of_the_mean_rotation(numbers: NumericTypes) -> None:
     """Turning one of two particles by e changes f . R X by (its share of the torque) . e."""
     a = rotors_of(vectors(numbers, 2.0))
     b = turned(a, vectors(numbers, 0.6, seed=1))
@@ -126,7 +126,7 @@ def test_torque_shares_are_the_gradient_of_the_mean_rotation(numbers: Kit) -> No
     np.testing.assert_allclose(share + other, total, atol=1e-14)
 
 
-def shares(numbers: Kit, a: np.ndarray, b: np.ndarray, x: np.ndarray, force: np.ndarray) -> list[np.ndarray]:
+def shares(numbers: NumericTypes, a: np.ndarray, b: np.ndarray, x: np.ndarray, force: np.ndarray) -> list[np.ndarray]:
     """Torque of a force at R X on the pair, and the share of the first particle."""
     out = [wp.zeros(len(x), dtype=numbers.spin) for _ in range(2)]
     types = (numbers.rotor, numbers.rotor, numbers.vec, numbers.vec)
@@ -135,7 +135,7 @@ def shares(numbers: Kit, a: np.ndarray, b: np.ndarray, x: np.ndarray, force: np.
     return [array.numpy() for array in out]
 
 
-def spun(numbers: Kit, omega: np.ndarray, dt: float, steps: int) -> np.ndarray:
+def spun(numbers: NumericTypes, omega: np.ndarray, dt: float, steps: int) -> np.ndarray:
     """Rotors after some steps at constant angular velocities, from rest."""
     q = wp.array(identity_rotors(len(omega), numbers.dimension), dtype=numbers.rotor)
     wp.launch(pair_kernels(numbers).spin_on, len(omega), [q, wp.array(omega, dtype=numbers.spin), dt, steps])
@@ -143,7 +143,7 @@ def spun(numbers: Kit, omega: np.ndarray, dt: float, steps: int) -> np.ndarray:
 
 
 @pytest.mark.parametrize("numbers", KITS, ids=str)
-def test_ten_turns_keep_length_and_angle(numbers: Kit) -> None:
+def test_ten_turns_keep_length_and_angle(numbers: NumericTypes) -> None:
     steps = 2000
     omega = vectors(numbers, 1.0)
     omega *= 2 * np.pi / np.linalg.norm(omega, axis=1, keepdims=True)
@@ -158,7 +158,7 @@ def test_ten_turns_keep_length_and_angle(numbers: Kit) -> None:
 
 
 @pytest.mark.parametrize("numbers", DOUBLE, ids=str)
-def test_advance_is_of_second_order_over_a_given_time(numbers: Kit) -> None:
+def test_advance_is_of_second_order_over_a_given_time(numbers: NumericTypes) -> None:
     omega = vectors(numbers, 2.0)
     exact = matrices_of(rotors_of(omega))
     errors = [np.abs(matrices_of(spun(numbers, omega, 1.0 / steps, steps)) - exact).max() for steps in (10, 20, 40)]
@@ -168,7 +168,7 @@ def test_advance_is_of_second_order_over_a_given_time(numbers: Kit) -> None:
 @pytest.mark.parametrize("size", [1e-9, 1e-3, 3.0])
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_rotation_vectors_come_back(dimension: int, size: float) -> None:
-    given = vectors(kit(dimension), size)
+    given = vectors(numeric_types(dimension), size)
     np.testing.assert_allclose(rotation_vectors(rotors_of(given)), given, rtol=1e-12, atol=1e-15 * size)
     # a quaternion and its opposite are one rotation
     if dimension == 3:

@@ -9,12 +9,12 @@ import numpy as np
 
 from tests.fluid.scenes import L0, LAYERS, box, walls_about
 from warp_mps.core.device import load_modules, open_device
-from warp_mps.core.kit import kit
+from warp_mps.core.types import numeric_types
 from warp_mps.coupling import hydroelastic
-from warp_mps.elastic import solid
+from warp_mps.elastic.explicit import solid
 from warp_mps.elastic.implicit.kernels import declare_implicit
 from warp_mps.fluid import fluids
-from warp_mps.particles import fill_scene
+from warp_mps.particles.filling import fill_scene
 from warp_mps.scene import Body, Contact, Fluid, Material, Scene, Support, TableMotion
 from warp_mps.shapes import Box, Points, contains
 
@@ -96,10 +96,10 @@ def busy(**fields: Any) -> Scene:
 
 def system_of(scene: Scene, *, precision: str = "float64", graphs: bool = True) -> hydroelastic.Hydroelastic:
     """The water and the bodies of a scene on the CPU, started."""
-    numbers, device = kit(scene.dimension, precision), open_device("cpu")
+    numbers, device = numeric_types(scene.dimension, precision), open_device("cpu")
     modules = [*fluids.declare_kernels(numbers), *solid.declare_kernels(numbers), *declare_implicit(numbers)]
     load_modules(list(dict.fromkeys([*modules, *hydroelastic.declare_kernels(numbers)])), device)
-    options: dict[str, Any] = {"kit": numbers, "device": device, "graphs": graphs}
+    options: dict[str, Any] = {"types": numbers, "device": device, "graphs": graphs}
     made = hydroelastic.Hydroelastic(scene, fill_scene(scene), interval=1.0 / scene.frame_rate, **options)
     made.start()
     return made

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 import warp as wp
 
-from warp_mps.core.kit import PRECISIONS, kit
+from warp_mps.core.types import PRECISIONS, numeric_types
 from warp_mps.coupling.exchange import METHOD, coupling_kernels
 from warp_mps.coupling.hydroelastic import declare_kernels
 from warp_mps.coupling.marker_kernels import marker_kernels
@@ -16,7 +16,7 @@ from warp_mps.coupling.marker_kernels import marker_kernels
 @pytest.mark.parametrize("precision", PRECISIONS)
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_every_kernel_compiles_for_cuda(dimension: int, precision: str, tmp_path: Path) -> None:
-    numbers = kit(dimension, precision)
+    numbers = numeric_types(dimension, precision)
     assert declare_kernels(numbers) == [numbers.module(METHOD)]
     wp.compile_aot_module(numbers.module(METHOD), arch=80, module_dir=tmp_path, use_ptx=True)
     code = "".join(file.read_text() for file in tmp_path.glob("*.ptx"))

@@ -10,7 +10,7 @@ import warp as wp
 
 from tests.coupling.scenes import bed, hung, lump, pool, system_of
 from tests.fluid.scenes import KINDS, L0, pairs, stir, tolerance
-from warp_mps.core.solver_kernels import CONTROLS
+from warp_mps.core.linear.kernels import CONTROLS
 from warp_mps.coupling.water import WetFluids
 
 RHO, DT = 1000.0, 1e-3

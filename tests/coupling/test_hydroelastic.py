@@ -10,9 +10,9 @@ import pytest
 from tests.coupling.scenes import ALONE, EXPLICIT, IMPLICIT, SOFT, WAYS, afloat, hung, lump, pool
 from tests.fluid.scenes import L0
 from warp_mps.coupling.hydroelastic import Hydroelastic
+from warp_mps.run.simulation import Simulation
 from warp_mps.scene import Body, Fluid, Material, Scene, Support, Wall
 from warp_mps.shapes import Box, Points
-from warp_mps.simulation import Simulation
 
 G = 9.81
 

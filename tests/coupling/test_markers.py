@@ -12,7 +12,7 @@ import warp as wp
 
 from tests.coupling.scenes import SOFT, lump, pool, system_of
 from tests.fluid.scenes import KINDS, L0, tolerance
-from warp_mps.core.kit import kit
+from warp_mps.core.types import numeric_types
 from warp_mps.coupling.hydroelastic import Hydroelastic
 from warp_mps.coupling.markers import Markers
 from warp_mps.scene import Body, Material
@@ -64,8 +64,8 @@ def test_cells_lie_along_a_turned_lattice(dimension: int) -> None:
     system = two_bodies(dimension, 2)
     turn, _ = np.linalg.qr(np.random.default_rng(5).normal(size=(dimension, dimension)))
     turned = replace(system._particles, positions=system._particles.positions @ turn.T)
-    numbers = kit(dimension, "float64")
-    markers = Markers(turned, L0, kit=numbers, device="cpu")
+    numbers = numeric_types(dimension, "float64")
+    markers = Markers(turned, L0, types=numbers, device="cpu")
     assert {tuple(group) for group in members(markers)} == {tuple(group) for group in members(system._markers)}
 
 

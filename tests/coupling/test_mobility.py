@@ -11,7 +11,7 @@ import pytest
 from tests.coupling.scenes import ALONE, IMPLICIT, WAYS, lump, pool, system_of
 from tests.fluid.scenes import L0
 from warp_mps.core.device import open_device
-from warp_mps.core.kit import kit
+from warp_mps.core.types import numeric_types
 from warp_mps.coupling.hydroelastic import Hydroelastic
 from warp_mps.coupling.mobility import LEAST, PASSES, STEPS, Mobility
 from warp_mps.scene import Material, Scene, Support
@@ -77,7 +77,7 @@ def test_a_body_that_is_held_has_the_least() -> None:
 def of(*bodies: int) -> Mobility:
     """The mobility of markers of some bodies, of 2 kg each."""
     markers = SimpleNamespace(bodies=np.array(bodies), masses=np.full(len(bodies), 2.0))
-    return Mobility(markers, kit=kit(2, "float64"), device=open_device("cpu"))  # type: ignore[arg-type]
+    return Mobility(markers, types=numeric_types(2, "float64"), device=open_device("cpu"))  # type: ignore[arg-type]
 
 
 def test_each_body_has_its_own() -> None:

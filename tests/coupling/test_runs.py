@@ -13,10 +13,10 @@ from tests.coupling.scenes import EXPLICIT, IMPLICIT, RUBBING, WAYS, afloat, bus
 from tests.fluid.scenes import KINDS, L0
 from warp_mps.coupling import mobility
 from warp_mps.fluid import fluids as fluids_module
-from warp_mps.history import read_history
-from warp_mps.runs import run_scene
+from warp_mps.results.history import read_history
+from warp_mps.run.run import run_scene
+from warp_mps.run.simulation import Simulation
 from warp_mps.scene import HarmonicMotion, Probe
-from warp_mps.simulation import Simulation
 
 ALL_WAYS = [RUBBING, IMPLICIT]
 

@@ -11,12 +11,12 @@ import warp as wp
 from tests.core.rotors import matrices_of, rotors_of
 from tests.scenes import random
 from warp_mps.core.device import open_device
-from warp_mps.core.kit import kit
 from warp_mps.core.rotation import identity_rotors
-from warp_mps.elastic.hamiltonian_model import HamiltonianModel
-from warp_mps.elastic.springs_model import SpringModel
+from warp_mps.core.types import numeric_types
+from warp_mps.elastic.hamiltonian.model import HamiltonianModel
+from warp_mps.elastic.springs.model import SpringModel
 from warp_mps.elastic.state import ElasticState, initial_state
-from warp_mps.particles import Particles, fill_scene
+from warp_mps.particles.filling import Particles, fill_scene
 from warp_mps.scene import Scene
 
 
@@ -57,10 +57,10 @@ class Held:
 def hold(scene: Scene, precision: str = "float64") -> Held:
     """The model of a scene on the CPU, at rest."""
     device: Any = open_device("cpu")
-    numbers = kit(scene.dimension, precision)
+    numbers = numeric_types(scene.dimension, precision)
     particles = fill_scene(scene)
-    model = SpringModel(scene, particles, np.zeros(particles.count, bool), kit=numbers, device=device)
-    return Held(particles, model, initial_state(particles, kit=numbers, device=device))
+    model = SpringModel(scene, particles, np.zeros(particles.count, bool), types=numbers, device=device)
+    return Held(particles, model, initial_state(particles, types=numbers, device=device))
 
 
 def random_state(particles: Particles, *, size: float = 0.1, seed: int = 0) -> tuple[np.ndarray, np.ndarray]:
@@ -114,7 +114,7 @@ class Strained:
 def strain(scene: Scene, precision: str = "float64") -> Strained:
     """The Hamiltonian model of a scene on the CPU, at rest."""
     device: Any = open_device("cpu")
-    numbers = kit(scene.dimension, precision)
+    numbers = numeric_types(scene.dimension, precision)
     particles = fill_scene(scene)
-    model = HamiltonianModel(scene, particles, kit=numbers, device=device)
-    return Strained(particles, model, initial_state(particles, kit=numbers, device=device), numbers.real)
+    model = HamiltonianModel(scene, particles, types=numbers, device=device)
+    return Strained(particles, model, initial_state(particles, types=numbers, device=device), numbers.real)

@@ -7,22 +7,22 @@ from pathlib import Path
 import pytest
 import warp as wp
 
-from warp_mps.core.kit import PRECISIONS, kit
 from warp_mps.core.neighbours import neighbour_kernels
+from warp_mps.core.types import PRECISIONS, numeric_types
+from warp_mps.elastic.explicit.solid import KERNELS, declare_kernels
 from warp_mps.elastic.implicit.kernels import KERNELS as IMPLICIT
 from warp_mps.elastic.implicit.kernels import declare_implicit
-from warp_mps.elastic.solid import KERNELS, declare_kernels
 
 
 @pytest.mark.parametrize("precision", PRECISIONS)
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_every_kernel_compiles_for_cuda(dimension: int, precision: str, tmp_path: Path) -> None:
-    numbers = kit(dimension, precision)
+    numbers = numeric_types(dimension, precision)
     for module in declare_kernels(numbers):
         wp.compile_aot_module(module, arch=80, module_dir=tmp_path, use_ptx=True)
     code = "".join(file.read_text() for file in tmp_path.glob("*.ptx"))
     declared = [(make.__name__, name) for make in KERNELS for name in vars(make(numbers))]
-    declared += [(neighbour_kernels.__name__, name) for name in vars(neighbour_kernels(kit(dimension)))]
+    declared += [(neighbour_kernels.__name__, name) for name in vars(neighbour_kernels(numeric_types(dimension)))]
     missing = [kernel for kernel in declared if ".entry {}__locals__{}_".format(*kernel) not in code]
     assert missing == []
 
@@ -30,7 +30,7 @@ def test_every_kernel_compiles_for_cuda(dimension: int, precision: str, tmp_path
 @pytest.mark.parametrize("precision", PRECISIONS)
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_every_implicit_kernel_compiles_for_cuda(dimension: int, precision: str, tmp_path: Path) -> None:
-    numbers = kit(dimension, precision)
+    numbers = numeric_types(dimension, precision)
     for module in declare_implicit(numbers):
         wp.compile_aot_module(module, arch=80, module_dir=tmp_path, use_ptx=True)
     code = "".join(file.read_text() for file in tmp_path.glob("*.ptx"))

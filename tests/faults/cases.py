@@ -13,13 +13,13 @@ import numpy as np
 from tests.coupling.scenes import IMPLICIT, RUBBING, busy
 from tests.fluid.scenes import L0, tank
 from tests.scenes import beam, ends
-from warp_mps.history import read_history
-from warp_mps.results import read_summary
-from warp_mps.runs import run_scene
+from warp_mps.results.history import read_history
+from warp_mps.results.summary import read_summary
+from warp_mps.run.run import run_scene
 from warp_mps.scene import Elasticity, HarmonicMotion, Probe, Scene, Support
 from warp_mps.shapes import Box
-from warp_mps.usd.read import read_stage
-from warp_mps.usd.save import save_stage
+from warp_mps.usd.case.read import read_stage
+from warp_mps.usd.case.save import save_stage
 
 RESULTS = {"checkpoint.npz", "checkpoint.prev.npz", "probes.csv", "run.json", "run.usdc"}
 
@@ -144,6 +144,6 @@ def animation(folder: Path) -> dict[str, dict[float, np.ndarray]]:
 
 def _first_time(case: Case, folder: Path) -> float:
     from warp_mps.observers.checkpoint import load_checkpoint
-    from warp_mps.runs import fingerprint
+    from warp_mps.run.run import fingerprint
 
     return load_checkpoint(folder, fingerprint(case.scene, "float64")).time

@@ -112,8 +112,8 @@ def fault(ending: Ending, command: str) -> str:
 
 def _few_steps(path: Path) -> float | None:
     """How long a case runs for some steps [s]; None if it is too large."""
-    from warp_mps.cost import estimate
-    from warp_mps.usd.read import read_stage
+    from warp_mps.run.cost import estimate
+    from warp_mps.usd.case.read import read_stage
 
     scene = read_stage(path)
     cost = estimate(scene)

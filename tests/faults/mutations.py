@@ -168,7 +168,7 @@ def extra_relationship(layer: Sdf.Layer, random: Random) -> str:
 
 def extra_attribute(layer: Sdf.Layer, random: Random) -> str:
     """A prim has an attribute of the table that it need not have, with some value."""
-    from warp_mps.usd.attributes import TABLE
+    from warp_mps.usd.case.attributes import TABLE
 
     prim = pick(random, prims(layer))
     row = pick(random, [row for table in TABLE.values() for row in table.values() if row.kind != "rel"])
@@ -181,7 +181,7 @@ def extra_attribute(layer: Sdf.Layer, random: Random) -> str:
 
 def wrong_role(layer: Sdf.Layer, random: Random) -> str:
     """A prim has the part of another."""
-    from warp_mps.usd.attributes import ROLES
+    from warp_mps.usd.case.attributes import ROLES
 
     prim, role = pick(random, prims(layer)), pick(random, ROLES)
     _give(prim, "mps:role", "token", role)

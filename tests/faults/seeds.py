@@ -10,10 +10,10 @@ import numpy as np
 from tests.fluid.scenes import tank
 from tests.scenes import HAMILTONIAN, RUBBER, STEEL, beam, block, ends, scene_of
 from tests.shapes.surfaces import cube
-from warp_mps.catalogue import shipped_cases
 from warp_mps.scene import Body, Contact, HarmonicRotation, Load, Part, Probe, Scene, Support, TableMotion, Wall
 from warp_mps.shapes import Box, Mesh, Points
-from warp_mps.usd.save import save_stage
+from warp_mps.usd.case.save import save_stage
+from warp_mps.usd.shipped_cases import shipped_cases
 
 SHIPPED = (
     *("beam_first_mode_as_published", "mass_spring_free", "ring_collision", "block_on_wall", "paddle_and_block"),

@@ -24,14 +24,14 @@ import time
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from warp_mps.catalogue import find_case
-from warp_mps.clock import Clock
 from warp_mps.observers.base import View
 from warp_mps.observers.progress import Progress
-from warp_mps.runs import _Run
+from warp_mps.run.run import _Run
+from warp_mps.run.schedule import Clock
+from warp_mps.run.simulation import Simulation
 from warp_mps.scene import Scene
-from warp_mps.simulation import Simulation
-from warp_mps.usd.read import read_stage
+from warp_mps.usd.case.read import read_stage
+from warp_mps.usd.shipped_cases import find_case
 
 TENTHS = 10
 LARGEST_GROWTH, LARGEST_SLOWING = 0.02, 0.05

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from tests.faults.cases import SCENES, Case, assert_same, make_case
-from warp_mps.runs import run_scene
+from warp_mps.run.run import run_scene
 
 if not sys.platform.startswith("linux"):
     pytest.skip("the faults are made by Linux's own means", allow_module_level=True)

@@ -8,10 +8,10 @@ from dataclasses import replace
 import numpy as np
 
 from warp_mps.core.device import load_modules, open_device
-from warp_mps.core.kit import kit
+from warp_mps.core.types import numeric_types
 from warp_mps.fluid.fluids import Fluids, declare_kernels
 from warp_mps.fluid.planes import SAME_FACE
-from warp_mps.particles import fill_scene
+from warp_mps.particles.filling import fill_scene
 from warp_mps.scene import Flow, Fluid, Scene, Wall
 from warp_mps.shapes import Box
 
@@ -100,9 +100,9 @@ def small(dimension: int) -> tuple[int, ...]:
 
 def fluids_of(scene: Scene, *, precision: str = "float64", graphs: bool = True) -> Fluids:
     """The scene's fluids on the CPU, started."""
-    numbers, device = kit(scene.dimension, precision), open_device("cpu")
+    numbers, device = numeric_types(scene.dimension, precision), open_device("cpu")
     load_modules(declare_kernels(numbers), device)
-    fluids = Fluids(scene, fill_scene(scene), kit=numbers, device=device, graphs=graphs)
+    fluids = Fluids(scene, fill_scene(scene), types=numbers, device=device, graphs=graphs)
     fluids.start()
     return fluids
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 import warp as wp
 
-from warp_mps.core.kit import PRECISIONS, kit
+from warp_mps.core.types import PRECISIONS, numeric_types
 from warp_mps.fluid.fluids import declare_kernels
 from warp_mps.fluid.gradient import gradient_kernels
 from warp_mps.fluid.lists import METHOD, list_kernels
@@ -21,7 +21,7 @@ from warp_mps.fluid.volumes import volume_kernels
 @pytest.mark.parametrize("precision", PRECISIONS)
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_every_kernel_compiles_for_cuda(dimension: int, precision: str, tmp_path: Path) -> None:
-    numbers = kit(dimension, precision)
+    numbers = numeric_types(dimension, precision)
     assert numbers.module(METHOD) in declare_kernels(numbers)
     wp.compile_aot_module(numbers.module(METHOD), arch=80, module_dir=tmp_path, use_ptx=True)
     code = "".join(file.read_text() for file in tmp_path.glob("*.ptx"))

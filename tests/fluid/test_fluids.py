@@ -11,8 +11,8 @@ from warp_mps.errors import InputError, RunError
 from warp_mps.fluid import fluids as fluids_module
 from warp_mps.observers.base import View
 from warp_mps.observers.guard import Guard
+from warp_mps.run.simulation import Simulation
 from warp_mps.scene import Flow, HarmonicRotation, Liquid, Scene
-from warp_mps.simulation import Simulation
 
 INTERVAL = 0.01
 

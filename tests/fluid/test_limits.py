@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from tests.fluid.scenes import tank
-from warp_mps.cost import estimate
 from warp_mps.errors import InputError
 from warp_mps.fluid.limits import domain
-from warp_mps.particles import fill_scene
+from warp_mps.particles.filling import fill_scene
+from warp_mps.run.cost import estimate
+from warp_mps.run.simulation import Simulation
 from warp_mps.scene import Flow
-from warp_mps.simulation import Simulation
 
 
 @pytest.mark.parametrize(("corner", "name"), [(0, "low"), (1, "high")])

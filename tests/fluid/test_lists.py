@@ -8,9 +8,9 @@ import warp as wp
 
 from tests.fluid.scenes import KINDS, apart
 from warp_mps.core.device import open_device
-from warp_mps.core.kit import kit
+from warp_mps.core.types import numeric_types
 from warp_mps.fluid.lists import MOST_ROOM, NeighbourLists, even_neighbours
-from warp_mps.fluid.operators import SKIN
+from warp_mps.scene.numerics import SKIN
 
 L0 = 0.1
 RADIUS = 2.1 * L0
@@ -24,7 +24,7 @@ def lists_of(
     """Lists of a number of particles within LOW and HIGH."""
     return NeighbourLists(
         count, walls=walls, low=LOW[:dimension], high=HIGH[:dimension], periodic=periodic, radius=RADIUS, spacing=L0,
-        neighbours=neighbours, kit=kit(dimension, precision), device=open_device("cpu"),
+        neighbours=neighbours, types=numeric_types(dimension, precision), device=open_device("cpu"),
     )  # fmt: skip
 
 
@@ -37,7 +37,7 @@ class Cloud:
 
     def __init__(self, x: np.ndarray, *, precision: str = "float64", **options: object) -> None:
         self.lists = lists_of(len(x), dimension=x.shape[1], precision=precision, **options)  # type: ignore[arg-type]
-        self.x = wp.array(x, dtype=kit(x.shape[1], precision).vec, device="cpu")
+        self.x = wp.array(x, dtype=numeric_types(x.shape[1], precision).vec, device="cpu")
         self.lost = wp.zeros(len(x), dtype=wp.int32, device="cpu")
         self.lists.renew(self.x, self.lost)
 

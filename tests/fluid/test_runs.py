@@ -12,10 +12,10 @@ from tests.fluid.scenes import scene_of, tank, water
 from warp_mps.app.cli import main
 from warp_mps.errors import RunError
 from warp_mps.fluid import fluids as fluids_module
-from warp_mps.results import read_summary
-from warp_mps.runs import run_scene
+from warp_mps.results.summary import read_summary
+from warp_mps.run.run import run_scene
 from warp_mps.scene import Flow, HarmonicMotion, Probe, Scene
-from warp_mps.usd.save import save_stage
+from warp_mps.usd.case.save import save_stage
 
 
 @pytest.fixture

@@ -10,7 +10,7 @@ import pytest
 from tests.fluid.scenes import KINDS, L0, fluids_of, periodic_box, stir, tank, tolerance, total_momentum
 from tests.fluid.scenes import wall_count as walls_of
 from warp_mps.fluid.limits import VISCOUS_STEP, step_limit
-from warp_mps.particles import fill_scene
+from warp_mps.particles.filling import fill_scene
 from warp_mps.scene import Liquid
 
 HONEY = Liquid(viscosity=1.0)

@@ -8,7 +8,7 @@ import pytest
 from tests.observers.views import RUBBER, blocks
 from warp_mps.errors import InputError
 from warp_mps.observers.interpolation import interpolate
-from warp_mps.particles import fill_scene
+from warp_mps.particles.filling import fill_scene
 from warp_mps.scene import Body, Scene
 from warp_mps.shapes import Box
 

@@ -7,10 +7,10 @@ from pathlib import Path
 import pytest
 
 from tests.observers.views import FakeView, blocks, view_of
-from warp_mps.energy import Energy
 from warp_mps.errors import InputError, RunError
-from warp_mps.history import read_history
 from warp_mps.observers.probes import ProbeRecorder
+from warp_mps.results.energy import Energy
+from warp_mps.results.history import read_history
 from warp_mps.scene import Probe
 
 PROBES = (Probe(name="tip", point=(0.65, 0.0)), Probe(name="turn", point=(0.0, 0.0), quantity="rotation"))

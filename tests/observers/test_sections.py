@@ -7,9 +7,9 @@ import pytest
 
 from tests.scenes import HAMILTONIAN, LENGTH, SPRINGS, THICKNESS, beam, block, random, scene_of
 from warp_mps.observers.sampling import make_sampler
+from warp_mps.run.simulation import Simulation
 from warp_mps.scene import Elasticity, Load, Probe, Support
 from warp_mps.shapes import Box
-from warp_mps.simulation import Simulation
 
 FORCE, PULL, CUT = 0.05, 20.0, 0.08
 

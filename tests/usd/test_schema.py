@@ -10,8 +10,8 @@ from pathlib import Path
 import pytest
 
 from warp_mps.usd import SCHEMA
-from warp_mps.usd.attributes import TABLE
-from warp_mps.usd.read import read_stage
+from warp_mps.usd.case.attributes import TABLE
+from warp_mps.usd.case.read import read_stage
 from warp_mps.usd.schema_source import generated_schema, plug_info, reference_row, schema_name
 
 README = Path(__file__).parents[2] / "stages" / "README.md"

@@ -15,7 +15,7 @@ from typing import Annotated, Any, Literal
 from tyro.conf import Positional, UseAppendAction, arg
 
 from warp_mps import __version__
-from warp_mps.app import looking
+from warp_mps.app import result_commands as looking
 from warp_mps.app.arguments import parse
 from warp_mps.core.interrupts import single_interrupt
 from warp_mps.errors import InputError, RunError
@@ -39,7 +39,7 @@ External = Annotated[bool, arg(help="Let the stage refer to files outside its fo
 
 def list_cases() -> int:
     """List the shipped cases, with a line on each."""
-    from warp_mps.app.show import show_cases
+    from warp_mps.app.printing import show_cases
 
     return show_cases()
 
@@ -48,7 +48,7 @@ def check(
     case: Positional[Case], *, duration: Duration = None, changes: Changes = (), allow_external: External = False
 ) -> int:
     """Read a case and say what a run of it would take: particles, time step, memory, disk, time. Runs nothing."""
-    from warp_mps.app.show import show_check
+    from warp_mps.app.printing import show_check
 
     return show_check(_read(case, changes, duration, allow_external=allow_external))
 
@@ -69,8 +69,8 @@ def run(
     allow_external: External = False,
 ) -> int:
     """Run a case: leaves run.usdc (animation), probes.csv, run.json (summary) and checkpoint.npz in a folder."""
-    from warp_mps.app.show import show_summary
-    from warp_mps.runs import run_scene
+    from warp_mps.app.printing import show_summary
+    from warp_mps.run.run import run_scene
 
     scene = _read(case, changes, duration, allow_external=allow_external)
     folder = out or Path("runs") / scene.name
@@ -113,9 +113,9 @@ def bench(
     threads: Threads = 1,
 ) -> int:
     """Measure the speed of an elastic block, of a dam break, and of water on a plate, with shares. Takes minutes."""
-    from warp_mps.app.bench import bench_solid
-    from warp_mps.app.bench_coupling import bench_coupling
-    from warp_mps.app.bench_fluids import bench_fluids
+    from warp_mps.app.bench.coupling import bench_coupling
+    from warp_mps.app.bench.fluids import bench_fluids
+    from warp_mps.app.bench.solids import bench_solid
 
     if min(sizes, default=1) < 1:
         raise InputError("--sizes", "", f"is {sizes}, must be whole numbers from 1 on")
@@ -156,7 +156,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         with single_interrupt():
             return parse(COMMANDS, arguments)()
     except InputError as error:
-        from warp_mps.usd.attributes import stage_error
+        from warp_mps.usd.case.attributes import stage_error
 
         # what a stage got wrong is named in the stage's words
         return _fail(str(stage_error(error)), 2)
@@ -170,8 +170,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _read(case: str, changes: Sequence[str], duration: float | None, *, allow_external: bool) -> Any:
     """The scene of a case, changed as the user wishes."""
-    from warp_mps.catalogue import find_case
-    from warp_mps.usd.read import read_stage
+    from warp_mps.usd.case.read import read_stage
+    from warp_mps.usd.shipped_cases import find_case
 
     overrides = dict(_parse_change(change) for change in changes)
     scene = read_stage(find_case(case), overrides=overrides, allow_external=allow_external)
@@ -182,7 +182,7 @@ def _lasting(scene: Any, duration: float) -> Any:
     """A scene that lasts so long [s], without the measurements of what comes later, which a line then names."""
     from dataclasses import replace
 
-    from warp_mps.record_checks import is_past
+    from warp_mps.scene.validation.probes import is_past
 
     kept = [item for item in scene.measurements if not is_past(item, duration)]
     shortened = replace(scene, duration=duration, measurements=tuple(kept))

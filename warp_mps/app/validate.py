@@ -8,11 +8,11 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from warp_mps.app.show import show_measurements
-from warp_mps.catalogue import find_case, shipped_cases
+from warp_mps.app.printing import show_measurements
 from warp_mps.errors import RunError
-from warp_mps.runs import run_scene
-from warp_mps.usd.read import read_stage
+from warp_mps.run.run import run_scene
+from warp_mps.usd.case.read import read_stage
+from warp_mps.usd.shipped_cases import find_case, shipped_cases
 
 
 def validate_cases(

@@ -11,18 +11,18 @@ from typing import Any
 import numpy as np
 import warp as wp
 
-from warp_mps.core.kit import Kit, kit
+from warp_mps.core.types import NumericTypes, numeric_types
 from warp_mps.core.weights import REACH_TOLERANCE
 
 METHOD = "neighbours"
 
 
 @functools.cache
-def neighbour_kernels(kit: Kit) -> SimpleNamespace:
+def neighbour_kernels(types: NumericTypes) -> SimpleNamespace:
     """Kernels `count` and `fill` of a reference neighbour list."""
-    real, vec3 = kit.real, kit.vec3
+    real, vec3 = types.real, types.vec3
 
-    @kit.kernel(METHOD)
+    @types.kernel(METHOD)
     def count(
         # Grid:
         grid: wp.uint64,
@@ -41,7 +41,7 @@ def neighbour_kernels(kit: Kit) -> SimpleNamespace:
                 found += 1
         counts_out[i] = found
 
-    @kit.kernel(METHOD)
+    @types.kernel(METHOD)
     def fill(
         # Grid:
         grid: wp.uint64,
@@ -69,19 +69,19 @@ def neighbour_kernels(kit: Kit) -> SimpleNamespace:
     return SimpleNamespace(count=count, fill=fill)
 
 
-def make_grid(extent: np.ndarray, cell: float, *, kit: Kit, device: Any) -> wp.HashGrid:
+def make_grid(extent: np.ndarray, cell: float, *, types: NumericTypes, device: Any) -> wp.HashGrid:
     """A hash grid whose cells span a domain: cells as wide as the search radius, one out of the plane in 2-D.
 
     Args:
         extent: Size of the domain [m], shape [d].
         cell: Width of a cell [m].
-        kit: Number types.
+        types: Number types.
         device: Warp device.
     """
     # cells alias beyond the grid, which costs time but no correctness: very large domains need no very large grids
-    cells = [int(np.clip(np.ceil(length / cell) + 1, 1, 2048 if kit.dimension == 2 else 256)) for length in extent]
-    dims = (*cells, 1) if kit.dimension == 2 else tuple(cells)
-    return wp.HashGrid(*dims, device=device, dtype=kit.real)
+    cells = [int(np.clip(np.ceil(length / cell) + 1, 1, 2048 if types.dimension == 2 else 256)) for length in extent]
+    dims = (*cells, 1) if types.dimension == 2 else tuple(cells)
+    return wp.HashGrid(*dims, device=device, dtype=types.real)
 
 
 def as_vec3(positions: np.ndarray) -> np.ndarray:
@@ -108,13 +108,13 @@ def reference_neighbours(
     Raises:
         MemoryError: There are more pairs than an index of 32 bits can name.
     """
-    numbers = kit(positions.shape[1], "float64")
+    numbers = numeric_types(positions.shape[1], "float64")
     kernels = neighbour_kernels(numbers)
     n = len(positions)
     cell = float(reach.max()) * REACH_TOLERANCE
     low = positions.min(axis=0)
     points = wp.array(as_vec3(positions - low), dtype=numbers.vec3, device=device)
-    grid = make_grid(positions.max(axis=0) - low, cell, kit=numbers, device=device)
+    grid = make_grid(positions.max(axis=0) - low, cell, types=numbers, device=device)
     grid.build(points, cell)
     radii = wp.array(reach * REACH_TOLERANCE, dtype=numbers.real, device=device)
     group = wp.array(groups, dtype=wp.int32, device=device)

@@ -12,37 +12,37 @@ from types import SimpleNamespace
 import numpy as np
 import warp as wp
 
-from warp_mps.core.kit import Kit
+from warp_mps.core.types import NumericTypes
 
 
 @functools.cache
-def rotation_funcs(kit: Kit, method: str) -> SimpleNamespace:
-    """Device functions `cross`, `mean_rotor`, `turn`, `torque_share` and `advance` for a kit."""
-    return _plane_funcs(kit, method) if kit.dimension == 2 else _space_funcs(kit, method)
+def rotation_funcs(types: NumericTypes, method: str) -> SimpleNamespace:
+    """Device functions `cross`, `mean_rotor`, `turn`, `torque_share` and `advance` for a types."""
+    return _plane_funcs(types, method) if types.dimension == 2 else _space_funcs(types, method)
 
 
-def _plane_funcs(kit: Kit, method: str) -> SimpleNamespace:
-    real, vec, spin, rotor = kit.real, kit.vec, kit.spin, kit.rotor
+def _plane_funcs(types: NumericTypes, method: str) -> SimpleNamespace:
+    real, vec, spin, rotor = types.real, types.vec, types.spin, types.rotor
 
-    @kit.func(method)
+    @types.func(method)
     def cross(a: vec, b: vec) -> spin:
         return spin(a[0] * b[1] - a[1] * b[0])
 
-    @kit.func(method)
+    @types.func(method)
     def mean_rotor(q_i: rotor, q_j: rotor) -> rotor:
         return rotor(q_i[0] * q_j[0] - q_i[1] * q_j[1], q_i[0] * q_j[1] + q_i[1] * q_j[0])
 
-    @kit.func(method)
+    @types.func(method)
     def turn(m: rotor, x: vec) -> vec:
         """R X - X for a mean rotor m = (cos(theta/2), sin(theta/2))."""
         s = real(2.0) * m[1]
         return vec(-s * (m[1] * x[0] + m[0] * x[1]), s * (m[0] * x[0] - m[1] * x[1]))
 
-    @kit.func(method)
+    @types.func(method)
     def torque_share(q_i: rotor, m: rotor, torque: spin) -> spin:
         return real(0.5) * torque
 
-    @kit.func(method)
+    @types.func(method)
     def advance(q: rotor, omega: spin, dt: real) -> rotor:
         """Rotor after a turn of omega dt, by the Cayley map.
 
@@ -54,14 +54,14 @@ def _plane_funcs(kit: Kit, method: str) -> SimpleNamespace:
     return SimpleNamespace(cross=cross, mean_rotor=mean_rotor, turn=turn, torque_share=torque_share, advance=advance)
 
 
-def _space_funcs(kit: Kit, method: str) -> SimpleNamespace:
-    real, vec, spin, rotor = kit.real, kit.vec, kit.spin, kit.rotor
+def _space_funcs(types: NumericTypes, method: str) -> SimpleNamespace:
+    real, vec, spin, rotor = types.real, types.vec, types.spin, types.rotor
 
-    @kit.func(method)
+    @types.func(method)
     def cross(a: vec, b: vec) -> spin:
         return wp.cross(a, b)
 
-    @kit.func(method)
+    @types.func(method)
     def mean_rotor(q_i: rotor, q_j: rotor) -> rotor:
         """Unit quaternion of the mean rotation times any factor.
 
@@ -70,14 +70,14 @@ def _space_funcs(kit: Kit, method: str) -> SimpleNamespace:
         """
         return q_i + q_j
 
-    @kit.func(method)
+    @types.func(method)
     def turn(m: rotor, x: vec) -> vec:
         """R X - X for a quaternion m of any length."""
         v = vec(m[1], m[2], m[3])
         t = (real(2.0) / wp.dot(m, m)) * wp.cross(v, x)
         return m[0] * t + wp.cross(v, t)
 
-    @kit.func(method)
+    @types.func(method)
     def torque_share(q_i: rotor, m: rotor, torque: spin) -> spin:
         """Torque on particle i when `torque` acts on the mean rotation m of i and j.
 
@@ -91,7 +91,7 @@ def _space_funcs(kit: Kit, method: str) -> SimpleNamespace:
         v = m[0] * p - q_i[0] * b - wp.cross(p, b)
         return real(0.5) * (torque + wp.cross(v, torque) / c)
 
-    @kit.func(method)
+    @types.func(method)
     def advance(q: rotor, omega: spin, dt: real) -> rotor:
         """Quaternion after a turn of omega dt (world axes), by the Cayley map."""
         a = real(0.5) * dt * omega

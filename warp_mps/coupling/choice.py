@@ -10,12 +10,11 @@ from __future__ import annotations
 
 import math
 
-from warp_mps.clock import SAFETY
-from warp_mps.elastic.material import stable_limit
+from warp_mps.elastic.explicit.time_step import SAFETY, stable_limit
 from warp_mps.fluid.limits import longest_step
-from warp_mps.implicit_checks import touches
-from warp_mps.particles import Particles
+from warp_mps.particles.filling import Particles
 from warp_mps.scene import Scene
+from warp_mps.scene.validation.implicit import touches
 
 # the least number of sub-steps in the longest step, so that the water's can be shortened where it is fast
 LEAST_SUBSTEPS = 4

@@ -17,8 +17,8 @@ from types import SimpleNamespace
 
 import warp as wp
 
-from warp_mps.core.kit import Kit
-from warp_mps.core.solver_kernels import FRESH
+from warp_mps.core.linear.kernels import FRESH
+from warp_mps.core.types import NumericTypes
 from warp_mps.fluid.lists import list_kernels
 from warp_mps.fluid.pressure import CLOSEST, pressure_kernels
 
@@ -26,12 +26,12 @@ METHOD = "coupling"
 
 
 @functools.cache
-def coupling_kernels(kit: Kit) -> SimpleNamespace:
+def coupling_kernels(types: NumericTypes) -> SimpleNamespace:
     """Kernels `find_wet`, `stiffen`, `respond`, `answer`, `couple` and `couple_product`."""
-    real, vec = kit.real, kit.vec
-    apart, weight = list_kernels(kit).apart, pressure_kernels(kit).weight
+    real, vec = types.real, types.vec
+    apart, weight = list_kernels(types).apart, pressure_kernels(types).weight
 
-    @kit.func(METHOD)
+    @types.func(METHOD)
     def arm(x_i: vec, x_j: vec, tilt: vec, period: vec, radius: real, spacing: real, laplacian: real) -> vec:
         """The arm x_ij - tilt_i times c."""
         x_ij = apart(x_i, x_j, period)
@@ -41,7 +41,7 @@ def coupling_kernels(kit: Kit) -> SimpleNamespace:
         r = wp.max(wp.sqrt(square), real(CLOSEST) * spacing)
         return (laplacian * weight(r, radius)) * (x_ij - tilt)
 
-    @kit.kernel(METHOD)
+    @types.kernel(METHOD)
     def find_wet(
         # Model:
         walls: wp.int32,
@@ -60,7 +60,7 @@ def coupling_kernels(kit: Kit) -> SimpleNamespace:
                 found = 1
         wet_out[k] = found
 
-    @kit.kernel(METHOD)
+    @types.kernel(METHOD)
     def stiffen(
         # Model:
         walls: wp.int32,
@@ -98,7 +98,7 @@ def coupling_kernels(kit: Kit) -> SimpleNamespace:
         own_out[k] = density * volume * total
         diagonal[k] = diagonal[k] + density * volume * total
 
-    @kit.kernel(METHOD)
+    @types.kernel(METHOD)
     def respond(
         # Model:
         walls: wp.int32,
@@ -130,7 +130,7 @@ def coupling_kernels(kit: Kit) -> SimpleNamespace:
             total += real(value) * arm(x[i], x_j, tilt[i - walls], period, radius, spacing, laplacian)
         force_out[j] = volume * total
 
-    @kit.kernel(METHOD)
+    @types.kernel(METHOD)
     def answer(
         # State in:
         mobility: wp.array(dtype=real),
@@ -143,7 +143,7 @@ def coupling_kernels(kit: Kit) -> SimpleNamespace:
         j = wp.tid()
         answer_out[j] = mobility[j] * force[j] - a[j]
 
-    @kit.kernel(METHOD)
+    @types.kernel(METHOD)
     def couple(
         # Model:
         walls: wp.int32,
@@ -176,7 +176,7 @@ def coupling_kernels(kit: Kit) -> SimpleNamespace:
                 total += wp.dot(arm(x_i, x[j], tilt[k], period, radius, spacing, laplacian), answer[j])
         rhs[k] = rhs[k] + wp.float64(density * total)
 
-    @kit.kernel(METHOD)
+    @types.kernel(METHOD)
     def couple_product(
         # Model:
         walls: wp.int32,

@@ -7,28 +7,28 @@ from typing import Any
 
 import numpy as np
 
-from warp_mps.core.kit import Kit
+from warp_mps.core.types import NumericTypes
 from warp_mps.coupling.choice import substep, takes_implicit_steps
 from warp_mps.coupling.exchange import METHOD, coupling_kernels
 from warp_mps.coupling.marker_kernels import marker_kernels
 from warp_mps.coupling.markers import Markers
 from warp_mps.coupling.structures import ImplicitStructure, Structure, SubsteppedStructure
 from warp_mps.coupling.water import WetFluids
-from warp_mps.elastic.implicit.theta import ImplicitSolid
-from warp_mps.elastic.stresses import StressFields
-from warp_mps.energy import Energy
-from warp_mps.particles import Particles
+from warp_mps.elastic.implicit.theta_rule import ImplicitSolid
+from warp_mps.elastic.output.stresses import StressFields
+from warp_mps.particles.filling import Particles
+from warp_mps.results.energy import Energy
 from warp_mps.scene import Scene
 
 # of the bodies' linear systems: passes begin close to their solutions
 LINEAR_TOLERANCE = 1e-3
 
 
-def declare_kernels(kit: Kit) -> list[str]:
+def declare_kernels(types: NumericTypes) -> list[str]:
     """Declare the kernels of the exchange, and return the names of their modules."""
-    coupling_kernels(kit)
-    marker_kernels(kit)
-    return [kit.module(METHOD)]
+    coupling_kernels(types)
+    marker_kernels(types)
+    return [types.module(METHOD)]
 
 
 class Hydroelastic:
@@ -44,7 +44,7 @@ class Hydroelastic:
         scene: The case.
         particles: Its particles.
         interval: Time between two samples [s].
-        kit: Number types.
+        types: Number types.
         device: Warp device.
         graphs: Whether steps are replayed as graphs.
 
@@ -53,21 +53,28 @@ class Hydroelastic:
     """
 
     def __init__(
-        self, scene: Scene, particles: Particles, *, interval: float, kit: Kit, device: Any, graphs: bool = True
+        self,
+        scene: Scene,
+        particles: Particles,
+        *,
+        interval: float,
+        types: NumericTypes,
+        device: Any,
+        graphs: bool = True,
     ) -> None:
         self._particles, self._elastic = particles, particles.elastic
         self.implicit = takes_implicit_steps(scene)
-        markers = Markers(particles, scene.fluids[0].spacing, kit=kit, device=device)
-        self.structure = self._make_structure(scene, particles, interval, kit, device, graphs)
+        markers = Markers(particles, scene.fluids[0].spacing, types=types, device=device)
+        self.structure = self._make_structure(scene, particles, interval, types, device, graphs)
         self.solid = self.structure.solid
-        self.water = WetFluids(scene, markers, self.structure, kit=kit, device=device, graphs=graphs)
+        self.water = WetFluids(scene, markers, self.structure, types=types, device=device, graphs=graphs)
         self._markers = markers
 
     def _make_structure(
-        self, scene: Scene, particles: Particles, interval: float, kit: Kit, device: Any, graphs: bool
+        self, scene: Scene, particles: Particles, interval: float, types: NumericTypes, device: Any, graphs: bool
     ) -> Structure:
         dry: dict[str, Any] = {"fluids": (), "probes": (), "measurements": ()}
-        options: dict[str, Any] = {"kit": kit, "device": device, "graphs": graphs}
+        options: dict[str, Any] = {"types": types, "device": device, "graphs": graphs}
         if self.implicit:
             alone = replace(scene, walls=(), integrator="implicit", time_step=interval, **dry)
             part = particles.elastic_part()

@@ -5,17 +5,17 @@ from types import SimpleNamespace
 
 import warp as wp
 
-from warp_mps.core.kit import Kit
+from warp_mps.core.types import NumericTypes
 from warp_mps.coupling.exchange import METHOD
 
 
 @functools.cache
-def marker_kernels(kit: Kit) -> SimpleNamespace:
+def marker_kernels(types: NumericTypes) -> SimpleNamespace:
     """Kernels `show`, `accelerate`, `share`, `receive` and `load`."""
-    vec, d = kit.vec, kit.dimension
+    vec, d = types.vec, types.dimension
     vec64 = wp.types.vector(length=d, dtype=wp.float64)
 
-    @kit.kernel(METHOD)
+    @types.kernel(METHOD)
     def show(
         # Model:
         first: wp.array(dtype=wp.int32),
@@ -41,7 +41,7 @@ def marker_kernels(kit: Kit) -> SimpleNamespace:
         x_out[j] = vec(part * (x + ahead[0] * u))
         u_out[j] = vec(part * u)
 
-    @kit.kernel(METHOD)
+    @types.kernel(METHOD)
     def accelerate(
         # Model:
         first: wp.array(dtype=wp.int32),
@@ -61,7 +61,7 @@ def marker_kernels(kit: Kit) -> SimpleNamespace:
             total += vec64(velocity[i]) - vec64(before[i])
         a_out[j] = vec(total / (dt[0] * wp.float64(first[j + 1] - first[j])))
 
-    @kit.kernel(METHOD)
+    @types.kernel(METHOD)
     def share(
         # Model:
         first: wp.array(dtype=wp.int32),
@@ -77,7 +77,7 @@ def marker_kernels(kit: Kit) -> SimpleNamespace:
         for m in range(first[j], first[j + 1]):
             external_out[members[m]] = vec(part)
 
-    @kit.kernel(METHOD)
+    @types.kernel(METHOD)
     def receive(
         # Model:
         first: wp.array(dtype=wp.int32),
@@ -122,7 +122,7 @@ def marker_kernels(kit: Kit) -> SimpleNamespace:
             for axis in range(wp.static(d)):
                 held[j] = held[j] + (wp.float64(1.0) - wp.float64(free[i][axis])) * mean[axis]
 
-    @kit.kernel(METHOD)
+    @types.kernel(METHOD)
     def load(
         # State in:
         external: wp.array(dtype=vec),

@@ -14,10 +14,10 @@ from typing import Any
 import numpy as np
 import warp as wp
 
-from warp_mps.core.kit import Kit
+from warp_mps.core.types import NumericTypes
 from warp_mps.coupling.marker_kernels import marker_kernels
 from warp_mps.elastic.state import ElasticState
-from warp_mps.particles import Particles
+from warp_mps.particles.filling import Particles
 
 # of a particle's spacing: how far a lattice may be off its cells by rounding
 ROUNDING = 1e-6
@@ -38,12 +38,12 @@ class Markers:
     Args:
         particles: The particles of the scene.
         spacing: Particle spacing of the water [m].
-        kit: Number types.
+        types: Number types.
         device: Warp device.
     """
 
-    def __init__(self, particles: Particles, spacing: float, *, kit: Kit, device: Any) -> None:
-        self._kernels, self._device = marker_kernels(kit), device
+    def __init__(self, particles: Particles, spacing: float, *, types: NumericTypes, device: Any) -> None:
+        self._kernels, self._device = marker_kernels(types), device
         of_particle = _cells(particles, spacing)
         members = np.argsort(of_particle, kind="stable")
         sizes = np.bincount(of_particle)
@@ -52,7 +52,7 @@ class Markers:
         first = np.concatenate(([0], np.cumsum(sizes)))
         self.particles = _gathered(particles, members, first, spacing)
         self.bodies, self.masses = self.particles.bodies[: self.count], self.particles.masses[: self.count]
-        vec64 = wp.types.vector(length=kit.dimension, dtype=wp.float64)
+        vec64 = wp.types.vector(length=types.dimension, dtype=wp.float64)
 
         def array(values: Any, dtype: Any) -> wp.array:
             return wp.array(values, dtype=dtype, device=device)

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import warp as wp
 
-from warp_mps.core.kit import Kit
+from warp_mps.core.types import NumericTypes
 from warp_mps.coupling.markers import Markers
 
 # steps after which it is measured anew, passes of a step that ask for it, and relative change of the step that does
@@ -31,13 +31,13 @@ class Mobility:
 
     Args:
         markers: The markers.
-        kit: Number types.
+        types: Number types.
         device: Warp device.
     """
 
-    def __init__(self, markers: Markers, *, kit: Kit, device: Any) -> None:
+    def __init__(self, markers: Markers, *, types: NumericTypes, device: Any) -> None:
         self._bodies, self._free = markers.bodies, 1.0 / markers.masses
-        self.array = wp.array(self._free, dtype=kit.real, device=device)
+        self.array = wp.array(self._free, dtype=types.real, device=device)
         self._dt = 0.0
         self._steps = STEPS
 

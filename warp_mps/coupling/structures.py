@@ -11,13 +11,13 @@ from typing import Any, Protocol
 import numpy as np
 import warp as wp
 
-from warp_mps.core.kit import Kit
 from warp_mps.core.replay import Replay
 from warp_mps.core.snapshot import Snapshot
+from warp_mps.core.types import NumericTypes
 from warp_mps.coupling.marker_kernels import marker_kernels
-from warp_mps.elastic.implicit.theta import ImplicitSolid
-from warp_mps.elastic.solid import Solid
-from warp_mps.particles import Particles
+from warp_mps.elastic.explicit.solid import Solid
+from warp_mps.elastic.implicit.theta_rule import ImplicitSolid
+from warp_mps.particles.filling import Particles
 from warp_mps.scene import Scene
 
 # residual of an implicit step in passes that are not the last, relative to its forces: far below what passes agree to,
@@ -108,7 +108,7 @@ class SubsteppedStructure:
         particles: Its particles without those of fluids.
         dt: Time step of the bodies [s].
         retardation_time: Of a numerical viscosity, beside that of the materials [s].
-        kit: Number types.
+        types: Number types.
         device: Warp device.
         graphs: Whether launches are replayed as graphs.
     """
@@ -120,15 +120,15 @@ class SubsteppedStructure:
         *,
         dt: float,
         retardation_time: float,
-        kit: Kit,
+        types: NumericTypes,
         device: Any,
         graphs: bool = True,
     ) -> None:
-        options: dict[str, Any] = {"kit": kit, "device": device}
+        options: dict[str, Any] = {"types": types, "device": device}
         self.solid = Solid(scene, particles, dt=dt, loaded=True, retardation_time=retardation_time, **options)
         assert self.solid.external is not None
         self.external, self.dt = self.solid.external, dt
-        self._kernels, self._device = marker_kernels(kit), device
+        self._kernels, self._device = marker_kernels(types), device
         self._replay = Replay(device=device, graphs=graphs)
         # what of the external force the total force holds at present
         self._carried = wp.zeros_like(self.external)

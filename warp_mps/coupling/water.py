@@ -26,8 +26,8 @@ from typing import Any
 import numpy as np
 import warp as wp
 
-from warp_mps.core.kit import Kit
-from warp_mps.core.solver_kernels import CONTROLS
+from warp_mps.core.linear.kernels import CONTROLS
+from warp_mps.core.types import NumericTypes
 from warp_mps.coupling.exchange import coupling_kernels
 from warp_mps.coupling.markers import Markers
 from warp_mps.coupling.mobility import Mobility
@@ -37,8 +37,8 @@ from warp_mps.coupling.structures import Structure
 from warp_mps.errors import InputError, RunError
 from warp_mps.fluid.failures import LARGEST_SPEED, MOST_UNSOLVED
 from warp_mps.fluid.fluids import Fluids
-from warp_mps.requirements import place
 from warp_mps.scene import Scene
+from warp_mps.scene.validation.rules import place
 
 # the forces on the markers agree when they change by no more than this part of themselves
 TOLERANCE = 1e-3
@@ -61,7 +61,7 @@ class WetFluids(Fluids):
         scene: The case.
         markers: The markers.
         structure: The bodies.
-        kit: Number types.
+        types: Number types.
         device: Warp device.
         graphs: Whether launches are replayed as graphs.
 
@@ -70,32 +70,39 @@ class WetFluids(Fluids):
     """
 
     def __init__(
-        self, scene: Scene, markers: Markers, structure: Structure, *, kit: Kit, device: Any, graphs: bool = True
+        self,
+        scene: Scene,
+        markers: Markers,
+        structure: Structure,
+        *,
+        types: NumericTypes,
+        device: Any,
+        graphs: bool = True,
     ) -> None:
-        super().__init__(scene, markers.particles, kit=kit, device=device, graphs=graphs)
+        super().__init__(scene, markers.particles, types=types, device=device, graphs=graphs)
         self._markers, self._structure, e, m = markers, structure, markers.count, self._m
-        self._coupling, self._source = coupling_kernels(kit), place(scene.fluids[0], "fluid")
+        self._coupling, self._source = coupling_kernels(types), place(scene.fluids[0], "fluid")
 
         def zeros(length: int, kind: Any) -> wp.array:
             return wp.zeros(length, dtype=kind, device=device)
 
-        vec64 = wp.types.vector(length=kit.dimension, dtype=wp.float64)
-        self._wet, self._own, self._base = zeros(m, wp.int32), zeros(m, kit.real), zeros(m, wp.float64)
+        vec64 = wp.types.vector(length=types.dimension, dtype=wp.float64)
+        self._wet, self._own, self._base = zeros(m, wp.int32), zeros(m, types.real), zeros(m, wp.float64)
         # on the markers: forces that the bodies feel, those that the pressures make, and what the equation answers to
         self._force, self._pressed, self._spare = zeros(e, vec64), zeros(e, vec64), zeros(e, wp.float64)
-        self._about, self._approximate, self._answer = zeros(e, kit.vec), zeros(e, kit.vec), zeros(e, kit.vec)
+        self._about, self._approximate, self._answer = zeros(e, types.vec), zeros(e, types.vec), zeros(e, types.vec)
         self._before = zeros(e, vec64)
         self.works = [zeros(e, wp.float64) for _ in range(3)]
         n = len(structure.solid.state.u)
-        self._v_before, self._u_before = zeros(n, kit.vec), zeros(n, kit.vec)
+        self._v_before, self._u_before = zeros(n, types.vec), zeros(n, types.vec)
         self._zero, self._one = zeros(1, wp.float64), wp.ones(1, dtype=wp.float64, device=device)
         self._fresh = wp.ones(CONTROLS, dtype=wp.int32, device=device)
         self._open, self._tried = zeros(1, wp.int32), zeros(m, wp.float64)
         free = ~structure.solid.outside.held[: markers.elastic]
-        self._free = wp.array(free, dtype=kit.vec, device=device)
+        self._free = wp.array(free, dtype=types.vec, device=device)
         self._newton = QuasiNewton(REMEMBERED)
-        self.mobility = Mobility(markers, kit=kit, device=device)
-        self._guess = np.zeros((2, e, kit.dimension))
+        self.mobility = Mobility(markers, types=types, device=device)
+        self._guess = np.zeros((2, e, types.dimension))
         self.exchange = ExchangeStatistics()
 
     def start(self) -> None:

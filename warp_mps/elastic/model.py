@@ -1,17 +1,14 @@
-"""What an elastic model is, and which there are."""
+"""The interface of an elastic model."""
 
 from collections.abc import Callable
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
 import warp as wp
 
-from warp_mps.core.kit import Kit
-from warp_mps.elastic.spins import Spins
+from warp_mps.elastic.output.stresses import StressFields
+from warp_mps.elastic.springs.rotation import Spins
 from warp_mps.elastic.state import ElasticState
-from warp_mps.elastic.stresses import StressFields
-from warp_mps.particles import Particles
-from warp_mps.scene import Scene
 
 # launches over a number of particles from a first one on
 Pass = Callable[[ElasticState, int, int], None]
@@ -39,28 +36,10 @@ class ElasticModel(Protocol):
         """Pressures at the last evaluation of the forces [Pa], shape [n]."""
 
     def stress_fields(self, state: ElasticState) -> StressFields:
-        """Stresses and strains; see `warp_mps.elastic.stresses`."""
+        """Stresses and strains; see `warp_mps.elastic.output.stresses`."""
 
     def energy_densities(self, state: ElasticState) -> np.ndarray:
         """Strain energy per reference volume [J/m^3], shape [n]."""
 
     def rotations(self) -> np.ndarray:
         """Rotation vectors [rad], shape [n, 1] in 2-D and [n, 3] in 3-D."""
-
-
-def make_model(scene: Scene, particles: Particles, held: np.ndarray, *, kit: Kit, device: Any) -> ElasticModel:
-    """The model that a scene names.
-
-    Args:
-        scene: The case.
-        particles: Its particles.
-        held: Whether the rotation of each particle is held, shape [n].
-        kit: Number types.
-        device: Warp device.
-    """
-    from warp_mps.elastic.hamiltonian_model import HamiltonianModel
-    from warp_mps.elastic.springs_model import SpringModel
-
-    if scene.elasticity.model == "hamiltonian":
-        return HamiltonianModel(scene, particles, kit=kit, device=device)
-    return SpringModel(scene, particles, held, kit=kit, device=device)

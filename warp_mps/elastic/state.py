@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 import warp as wp
 
-from warp_mps.core.kit import Kit
-from warp_mps.particles import Particles
+from warp_mps.core.types import NumericTypes
+from warp_mps.particles.filling import Particles
 
 
 @dataclass(kw_only=True)
@@ -44,7 +44,7 @@ class ElasticState:
             getattr(self, item.name).assign(arrays[item.name])
 
 
-def initial_state(particles: Particles, *, kit: Kit, device: Any) -> ElasticState:
+def initial_state(particles: Particles, *, types: NumericTypes, device: Any) -> ElasticState:
     """The undeformed particles with their initial velocities."""
     n = particles.count
 
@@ -52,10 +52,10 @@ def initial_state(particles: Particles, *, kit: Kit, device: Any) -> ElasticStat
         return wp.zeros(n, dtype=dtype, device=device)
 
     return ElasticState(
-        u=zeros(kit.vec),
-        v=wp.array(particles.velocities, dtype=kit.vec, device=device),
-        force=zeros(kit.vec),
-        contact=zeros(kit.vec),
-        driven=zeros(kit.vec),
+        u=zeros(types.vec),
+        v=wp.array(particles.velocities, dtype=types.vec, device=device),
+        force=zeros(types.vec),
+        contact=zeros(types.vec),
+        driven=zeros(types.vec),
         dissipated=zeros(wp.float64),
     )

@@ -7,12 +7,12 @@ from typing import Any
 import numpy as np
 import warp as wp
 
-from warp_mps.core.kit import Kit
-from warp_mps.core.multilevel import Multilevel
-from warp_mps.core.multilevel import declare_kernels as declare_multilevel
+from warp_mps.core.linear.conjugate_gradient import ConjugateGradient, Matrix
+from warp_mps.core.linear.conjugate_gradient import declare_kernels as declare_solver
+from warp_mps.core.multigrid.preconditioner import Multilevel
+from warp_mps.core.multigrid.preconditioner import declare_kernels as declare_multilevel
 from warp_mps.core.replay import Replay
-from warp_mps.core.solver import ConjugateGradient, Matrix
-from warp_mps.core.solver import declare_kernels as declare_solver
+from warp_mps.core.types import NumericTypes
 from warp_mps.errors import RunError
 from warp_mps.fluid.failures import FluidFailures
 from warp_mps.fluid.gradient import gradient_kernels
@@ -25,9 +25,9 @@ from warp_mps.fluid.pressure import CONSERVATIVE, CORRECTED, KOSHIZUKA_OKA, pres
 from warp_mps.fluid.state import FluidState, initial_state
 from warp_mps.fluid.viscous import ImplicitViscosity, viscous_kernels
 from warp_mps.fluid.volumes import volume_kernels
-from warp_mps.particles import Particles
-from warp_mps.rigid.poses import Poses, declare_rigid, moving_runs
+from warp_mps.particles.filling import Particles
 from warp_mps.scene import Scene
+from warp_mps.walls.poses import Poses, declare_rigid, moving_runs
 
 SCHEMES = {"conservative": CONSERVATIVE, "corrected": CORRECTED, "koshizuka_oka": KOSHIZUKA_OKA}
 # particles that one thread goes through when a maximum is sought
@@ -37,7 +37,7 @@ SORT_EVERY = 100
 MAX_ITERATIONS = 2000
 
 
-def declare_kernels(kit: Kit) -> list[str]:
+def declare_kernels(types: NumericTypes) -> list[str]:
     """Declare every kernel that fluids need, and return the names of their modules."""
     for declare in (
         list_kernels,
@@ -48,8 +48,8 @@ def declare_kernels(kit: Kit) -> list[str]:
         viscous_kernels,
         volume_kernels,
     ):
-        declare(kit)
-    return [kit.module(METHOD), *declare_solver(kit), *declare_multilevel(kit), declare_rigid(kit)]
+        declare(types)
+    return [types.module(METHOD), *declare_solver(types), *declare_multilevel(types), declare_rigid(types)]
 
 
 class Fluids(FluidFailures):
@@ -67,7 +67,7 @@ class Fluids(FluidFailures):
     Args:
         scene: The case.
         particles: Its particles; walls come first, fluids last.
-        kit: Number types.
+        types: Number types.
         device: Warp device.
         graphs: Whether steps are replayed as graphs.
 
@@ -75,44 +75,46 @@ class Fluids(FluidFailures):
         InputError: The domain of the scene does not hold its fluids.
     """
 
-    def __init__(self, scene: Scene, particles: Particles, *, kit: Kit, device: Any, graphs: bool = True) -> None:
-        self._particles, self._device, self._d = particles, device, kit.dimension
+    def __init__(
+        self, scene: Scene, particles: Particles, *, types: NumericTypes, device: Any, graphs: bool = True
+    ) -> None:
+        self._particles, self._device, self._d = particles, device, types.dimension
         self._replay = Replay(device=device, graphs=graphs)
         self._m = particles.liquid
         self._walls = particles.count - self._m
         fluid, flow = scene.fluids[0], scene.flow
         self._spacing, self._density, self._viscosity = fluid.spacing, fluid.liquid.density, fluid.liquid.viscosity
-        self.operators = operators(kit.dimension, fluid.spacing, flow.radius(kit.dimension))
-        self._gravity_host = np.asarray(scene.gravity if len(scene.gravity) else np.zeros(kit.dimension), float)
-        self._gravity = kit.vec(*self._gravity_host)
+        self.operators = operators(types.dimension, fluid.spacing, flow.radius(types.dimension))
+        self._gravity_host = np.asarray(scene.gravity if len(scene.gravity) else np.zeros(types.dimension), float)
+        self._gravity = types.vec(*self._gravity_host)
         self._scheme = SCHEMES[flow.scheme]
         self._clip = int(flow.negative_pressure == "clipped")
         self._shifts = int(self._scheme == CORRECTED or (self._scheme == CONSERVATIVE and not self._clip))
         self._collision = KEPT_APART if self._scheme == CONSERVATIVE else COLLISION
-        self._volume = fluid.spacing**kit.dimension
+        self._volume = fluid.spacing**types.dimension
         self._low, self._high = domain(scene, particles)
         self.lists = NeighbourLists(
             particles.count, walls=self._walls, low=self._low, high=self._high, periodic=flow.periodic,
-            radius=self.operators.radius, spacing=fluid.spacing, kit=kit, device=device,
-            neighbours=even_neighbours(kit.dimension, flow.radius(kit.dimension)),
+            radius=self.operators.radius, spacing=fluid.spacing, types=types, device=device,
+            neighbours=even_neighbours(types.dimension, flow.radius(types.dimension)),
         )  # fmt: skip
         original = self._scheme == KOSHIZUKA_OKA
         self._slope = self.operators.original_gradient if original else self.operators.gradient
         n0 = self.operators.number_density
-        self.state: FluidState = initial_state(particles, self.lists, n0, kit=kit, device=device)
+        self.state: FluidState = initial_state(particles, self.lists, n0, types=types, device=device)
         self.step_limit, implicit = step_limit(scene, particles)
         self._longest = min(self.step_limit, scene.time_step or math.inf)
         self._courant = flow.courant
-        self._kit = kit
-        self._kernels = (pressure_kernels(kit), gradient_kernels(kit), motion_kernels(kit))
+        self._kit = types
+        self._kernels = (pressure_kernels(types), gradient_kernels(types), motion_kernels(types))
         self._allocate(scene, flow.tolerance)
         n, m = self._walls + self._m, self._matrix
-        self._implicit = ImplicitViscosity(n, self._walls, m, kit=kit, device=device) if implicit else None
+        self._implicit = ImplicitViscosity(n, self._walls, m, types=types, device=device) if implicit else None
         self._velocities_before, self._interval = particles.velocities, math.inf
 
     def _allocate(self, scene: Scene, tolerance: float) -> None:
         """Arrays that a step works in, the solver, and the walls' poses."""
-        kit, device, m, n = self._kit, self._device, self._m, self._particles.count
+        types, device, m, n = self._kit, self._device, self._m, self._particles.count
 
         def zeros(length: int, kind: Any) -> wp.array:
             return wp.zeros(length, dtype=kind, device=device)
@@ -121,7 +123,7 @@ class Fluids(FluidFailures):
         self._matrix = Matrix(
             rows=wp.array([m], dtype=wp.int32, device=device),
             first=zeros(m, wp.int32), count=zeros(m, wp.int32), index=zeros(m * width, wp.int32),
-            value=zeros(m * width, kit.real), diagonal=zeros(m, kit.real), active=zeros(m, wp.int32),
+            value=zeros(m * width, types.real), diagonal=zeros(m, types.real), active=zeros(m, wp.int32),
             singular=zeros(1, wp.int32),
         )  # fmt: skip
         self._rhs = zeros(m, wp.float64)
@@ -130,23 +132,28 @@ class Fluids(FluidFailures):
         preconditioner = Multilevel(
             self.state.x[self._walls :], low=np.where(wraps, self._low, np.maximum(x.min(axis=0), self._low)),
             high=np.where(wraps, self._high, np.minimum(x.max(axis=0), self._high)),
-            reach=self.operators.radius, kit=kit, device=device, periodic=periodic,
+            reach=self.operators.radius, types=types, device=device, periodic=periodic,
         )  # fmt: skip
         self._solver = ConjugateGradient(
-            m, kit=kit, device=device, tolerance=tolerance, max_iterations=MAX_ITERATIONS, preconditioner=preconditioner
+            m,
+            types=types,
+            device=device,
+            tolerance=tolerance,
+            max_iterations=MAX_ITERATIONS,
+            preconditioner=preconditioner,
         )
-        self._du, self._shift, self._surface = zeros(m, kit.vec), zeros(m, kit.vec), zeros(m, wp.int32)
-        self._acceleration, self._mirrored = zeros(n, kit.vec), zeros(max(n - m, 1), kit.vec)
+        self._du, self._shift, self._surface = zeros(m, types.vec), zeros(m, types.vec), zeros(m, wp.int32)
+        self._acceleration, self._mirrored = zeros(n, types.vec), zeros(max(n - m, 1), types.vec)
         # beside walls: normals, distances from their faces, what images count, and slopes of the pressure
         self._normal, self._depth, self._tilt, self._along = (
-            zeros(m, kind) for kind in (kit.vec, kit.real, kit.vec, kit.vec)
+            zeros(m, kind) for kind in (types.vec, types.real, types.vec, types.vec)
         )
-        self._scale = wp.ones(m, dtype=kit.real, device=device)
+        self._scale = wp.ones(m, dtype=types.real, device=device)
         self._floors = zeros(-(-m // CHUNK), wp.float64)
-        self._speeds = zeros(-(-n // CHUNK), kit.real)
+        self._speeds = zeros(-(-n // CHUNK), types.real)
         self._dt, self._way, self._target, self._time_after = (zeros(1, wp.float64) for _ in range(4))
         self._left = zeros(1, wp.int32)
-        self._poses = Poses(scene, kit=kit, device=device) if scene.walls else None
+        self._poses = Poses(scene, types=types, device=device) if scene.walls else None
         self._runs = moving_runs(scene, self._particles)
         self._wall = wp.array(self._particles.walls, dtype=wp.int32, device=device)
         self._reference = wp.array(
@@ -159,7 +166,7 @@ class Fluids(FluidFailures):
         firmness, elastic = np.ones(max(n - m, 1)), self._particles.elastic
         masses = self._particles.masses[:elastic]
         firmness[:elastic] = masses / (masses + self._density * self._volume)
-        self._firmness = wp.array(firmness, dtype=kit.real, device=device)
+        self._firmness = wp.array(firmness, dtype=types.real, device=device)
         self._sticks = wp.array(stick.astype(np.int32), dtype=wp.int32, device=device)
 
     def start(self) -> None:

@@ -24,7 +24,7 @@ from types import SimpleNamespace
 
 import warp as wp
 
-from warp_mps.core.kit import Kit
+from warp_mps.core.types import NumericTypes
 from warp_mps.fluid.lists import METHOD, list_kernels
 from warp_mps.fluid.planes import LEAST_SPREAD, plane_kernels
 from warp_mps.fluid.pressure import CONSERVATIVE, CORRECTED, LEAST_DETERMINANT, pressure_kernels
@@ -34,15 +34,15 @@ CLOSEST = 0.02
 
 
 @functools.cache
-def gradient_kernels(kit: Kit) -> SimpleNamespace:
+def gradient_kernels(types: NumericTypes) -> SimpleNamespace:
     """Kernels `find_slopes`, `push`, `push_walls` and `wall_pressure`."""
-    real, vec, mat, d = kit.real, kit.vec, kit.mat, kit.dimension
+    real, vec, mat, d = types.real, types.vec, types.mat, types.dimension
     vec64 = wp.types.vector(length=d, dtype=wp.float64)
-    apart, weight, slope = list_kernels(kit).apart, pressure_kernels(kit).weight, pressure_kernels(kit).slope
+    apart, weight, slope = list_kernels(types).apart, pressure_kernels(types).weight, pressure_kernels(types).slope
 
-    spread = plane_kernels(kit).spread
+    spread = plane_kernels(types).spread
 
-    @kit.func(METHOD)
+    @types.func(METHOD)
     def beyond(p_i: real, step: real, clip: wp.int32) -> real:
         """Pressure of a wall's particle as seen from a fluid particle, a hydrostatic step away."""
         p_j = p_i + step
@@ -50,7 +50,7 @@ def gradient_kernels(kit: Kit) -> SimpleNamespace:
             p_j = wp.max(p_j, real(0.0))
         return p_j
 
-    @kit.func(METHOD)
+    @types.func(METHOD)
     def pair(scheme: wp.int32, p_i: real, p_j: real, p_min: real) -> real:
         """The pressure that a pair's force is made of."""
         if scheme == wp.static(CONSERVATIVE):
@@ -61,7 +61,7 @@ def gradient_kernels(kit: Kit) -> SimpleNamespace:
             return p_j - p_i
         return p_j - p_min
 
-    @kit.kernel(METHOD)
+    @types.kernel(METHOD)
     def find_slopes(
         # Model:
         walls: wp.int32,
@@ -111,7 +111,7 @@ def gradient_kernels(kit: Kit) -> SimpleNamespace:
                 result = total - wp.dot(total, n) * n
         slope_out[k] = result
 
-    @kit.kernel(METHOD)
+    @types.kernel(METHOD)
     def push(
         # Model:
         walls: wp.int32,
@@ -174,7 +174,7 @@ def gradient_kernels(kit: Kit) -> SimpleNamespace:
             total = turn * total
         du_out[k] = (-real(dt[0]) / density) * total
 
-    @kit.kernel(METHOD)
+    @types.kernel(METHOD)
     def push_walls(
         # Model:
         walls: wp.int32,
@@ -223,7 +223,7 @@ def gradient_kernels(kit: Kit) -> SimpleNamespace:
         impulse[j] = impulse[j] + gained
         work[j] = work[j] - wp.dot(gained, vec64(u[j]))
 
-    @kit.kernel(METHOD)
+    @types.kernel(METHOD)
     def wall_pressure(
         # Model:
         walls: wp.int32,

@@ -16,9 +16,9 @@ from typing import Any
 import numpy as np
 import warp as wp
 
-from warp_mps.core.kit import Kit
+from warp_mps.core.types import NumericTypes
 from warp_mps.core.weights import lattice_neighbours
-from warp_mps.fluid.operators import SKIN
+from warp_mps.scene.numerics import SKIN
 
 METHOD = "fluid"
 # room for neighbours, in units of those in even water
@@ -43,11 +43,11 @@ def even_neighbours(dimension: int, effective_radius: float) -> int:
 
 
 @functools.cache
-def list_kernels(kit: Kit) -> SimpleNamespace:
+def list_kernels(types: NumericTypes) -> SimpleNamespace:
     """Kernels `locate` and `search`, and the function `apart`."""
-    real, vec, vec3, d = kit.real, kit.vec, kit.vec3, kit.dimension
+    real, vec, vec3, d = types.real, types.vec, types.vec3, types.dimension
 
-    @kit.func(METHOD)
+    @types.func(METHOD)
     def apart(x_i: vec, x_j: vec, period: vec) -> vec:
         """x_ij, the shortest where space is periodic (period above 0)."""
         x = x_j - x_i
@@ -56,7 +56,7 @@ def list_kernels(kit: Kit) -> SimpleNamespace:
                 x[axis] = x[axis] - period[axis] * wp.round(x[axis] / period[axis])
         return x
 
-    @kit.kernel(METHOD)
+    @types.kernel(METHOD)
     def locate(
         # Model:
         low: vec,
@@ -82,7 +82,7 @@ def list_kernels(kit: Kit) -> SimpleNamespace:
         if real(4.0) * wp.dot(moved, moved) > margin * margin:
             stale_out[0] = 1
 
-    @kit.kernel(METHOD)
+    @types.kernel(METHOD)
     def search(
         # Model:
         grid: wp.uint64,
@@ -145,7 +145,7 @@ class NeighbourLists:
         radius: Effective radius [m].
         spacing: Particle spacing [m].
         neighbours: Neighbours of even water, for which there is room and to spare; see `even_neighbours`.
-        kit: Number types.
+        types: Number types.
         device: Warp device.
     """
 
@@ -160,24 +160,24 @@ class NeighbourLists:
         radius: float,
         spacing: float,
         neighbours: int,
-        kit: Kit,
+        types: NumericTypes,
         device: Any,
     ) -> None:
-        self._kernels, self._device, self._walls = list_kernels(kit), device, walls
-        d, self._margin = kit.dimension, SKIN * spacing
+        self._kernels, self._device, self._walls = list_kernels(types), device, walls
+        d, self._margin = types.dimension, SKIN * spacing
         self._reach = radius + self._margin
         size = np.asarray(high, float) - low
         cells = np.clip(np.floor(size / self._reach), 1, MOST_CELLS[d])
         wraps = np.isin(np.arange(d), periodic)
         cell = np.where(wraps, size / cells, self._reach)
         dims = [int(c) + (0 if wrap else 1) for c, wrap in zip(cells, wraps, strict=True)]
-        self._low, self._cell, self._cells = kit.vec(*low), kit.vec(*cell), kit.vec(*dims)
-        self.period = kit.vec(*np.where(wraps, size, 0.0))
-        self._grid = wp.HashGrid(*(*dims, 1)[:3], device=device, dtype=kit.real)
+        self._low, self._cell, self._cells = types.vec(*low), types.vec(*cell), types.vec(*dims)
+        self.period = types.vec(*np.where(wraps, size, 0.0))
+        self._grid = wp.HashGrid(*(*dims, 1)[:3], device=device, dtype=types.real)
         self._grid.reserve(count)
         width = int(ROOM * neighbours)
-        self._points = wp.zeros(count, dtype=kit.vec3, device=device)
-        self.x_listed = wp.zeros(count, dtype=kit.vec, device=device)
+        self._points = wp.zeros(count, dtype=types.vec3, device=device)
+        self.x_listed = wp.zeros(count, dtype=types.vec, device=device)
         self.listed = wp.zeros((count, width), dtype=wp.int32, device=device)
         self._most_room = MOST_ROOM * width
         self.count = wp.zeros(count, dtype=wp.int32, device=device)

@@ -22,7 +22,7 @@ from types import SimpleNamespace
 
 import warp as wp
 
-from warp_mps.core.kit import Kit
+from warp_mps.core.types import NumericTypes
 from warp_mps.fluid.lists import METHOD, list_kernels
 from warp_mps.fluid.pressure import pressure_kernels
 
@@ -35,13 +35,13 @@ SHIFT, LARGEST_SHIFT = 10.0, 0.2
 
 
 @functools.cache
-def motion_kernels(kit: Kit) -> SimpleNamespace:
+def motion_kernels(types: NumericTypes) -> SimpleNamespace:
     """The kernels of the motion, in the order of a step from `mirror` to `finish`, and `fastest`, `plan` and `tick`."""
-    real, vec, d = kit.real, kit.vec, kit.dimension
+    real, vec, d = types.real, types.vec, types.dimension
     vec64 = wp.types.vector(length=d, dtype=wp.float64)
-    apart, weight = list_kernels(kit).apart, pressure_kernels(kit).weight
+    apart, weight = list_kernels(types).apart, pressure_kernels(types).weight
 
-    @kit.func(METHOD)
+    @types.func(METHOD)
     def bounce(x_ij: vec, u_ij: vec, reach: real) -> vec:
         """Change of the velocity of i, as if j were fixed, when the two collide."""
         square = wp.dot(x_ij, x_ij)
@@ -51,14 +51,14 @@ def motion_kernels(kit: Kit) -> SimpleNamespace:
         approach = wp.min(wp.dot(u_ij, x_ij) / r, real(0.0))
         return (real(wp.static(1.0 + RESTITUTION)) * approach / r) * x_ij
 
-    @kit.func(METHOD)
+    @types.func(METHOD)
     def closest(shift_i: vec, shift_j: vec, reach: real, spacing: real) -> real:
         """Distance below which two particles collide: the reach, or less where both are shifted."""
         if wp.dot(shift_i, shift_i) * wp.dot(shift_j, shift_j) > real(0.0):
             return real(KEPT_APART) * spacing
         return reach
 
-    @kit.kernel(METHOD)
+    @types.kernel(METHOD)
     def mirror(
         # Model:
         period: vec,
@@ -88,7 +88,7 @@ def motion_kernels(kit: Kit) -> SimpleNamespace:
             u_j += total / weights
         mirrored_out[j] = u_j
 
-    @kit.kernel(METHOD)
+    @types.kernel(METHOD)
     def viscosity(
         # Model:
         walls: wp.int32,
@@ -122,7 +122,7 @@ def motion_kernels(kit: Kit) -> SimpleNamespace:
                 total += weight(wp.length(apart(x_i, x[j], period)), radius) * (u_j - u_i)
         acceleration_out[i] = factor * total
 
-    @kit.kernel(METHOD)
+    @types.kernel(METHOD)
     def predict(
         # Model:
         walls: wp.int32,
@@ -150,7 +150,7 @@ def motion_kernels(kit: Kit) -> SimpleNamespace:
             u_out[i] = u
             x_out[i] = x_out[i] + h * u
 
-    @kit.kernel(METHOD)
+    @types.kernel(METHOD)
     def apply(
         # Model:
         walls: wp.int32,
@@ -167,7 +167,7 @@ def motion_kernels(kit: Kit) -> SimpleNamespace:
         u_out[i] = u_out[i] + du[k]
         x_out[i] = x_out[i] + real(dt[0]) * du[k]
 
-    @kit.kernel(METHOD)
+    @types.kernel(METHOD)
     def collide(
         # Model:
         walls: wp.int32,
@@ -199,7 +199,7 @@ def motion_kernels(kit: Kit) -> SimpleNamespace:
                 du += real(0.5) * bounce(x_ij, u[j] - u_i, closest(shift[k], shift[j - walls], reach, spacing))
         du_out[k] = du
 
-    @kit.kernel(METHOD)
+    @types.kernel(METHOD)
     def move_apart(
         # Model:
         walls: wp.int32,
@@ -240,7 +240,7 @@ def motion_kernels(kit: Kit) -> SimpleNamespace:
                 shift = (real(LARGEST_SHIFT) * spacing / length) * shift
         shift_out[k] = shift
 
-    @kit.kernel(METHOD)
+    @types.kernel(METHOD)
     def collide_walls(
         # Model:
         period: vec,
@@ -266,7 +266,7 @@ def motion_kernels(kit: Kit) -> SimpleNamespace:
         impulse[j] = impulse[j] + gained
         work[j] = work[j] - wp.dot(gained, vec64(u[j]))
 
-    @kit.kernel(METHOD)
+    @types.kernel(METHOD)
     def finish(
         # Model:
         walls: wp.int32,
@@ -306,7 +306,7 @@ def motion_kernels(kit: Kit) -> SimpleNamespace:
         x_out[i] = x
         u_out[i] = u
 
-    @kit.kernel(METHOD)
+    @types.kernel(METHOD)
     def fastest(chunk: wp.int32, u: wp.array(dtype=vec), fastest_out: wp.array(dtype=real)):
         """Square of the largest speed of each chunk of particles."""
         c = wp.tid()
@@ -315,7 +315,7 @@ def motion_kernels(kit: Kit) -> SimpleNamespace:
             value = wp.max(value, wp.dot(u[i], u[i]))
         fastest_out[c] = value
 
-    @kit.kernel(METHOD)
+    @types.kernel(METHOD)
     def plan(
         # Model:
         limit: wp.float64,
@@ -345,7 +345,7 @@ def motion_kernels(kit: Kit) -> SimpleNamespace:
         else:
             time_after_out[0] = time[0] + rest / steps
 
-    @kit.kernel(METHOD)
+    @types.kernel(METHOD)
     def tick(
         # State in:
         time_after: wp.array(dtype=wp.float64),

@@ -25,9 +25,6 @@ import numpy as np
 
 from warp_mps.core.weights import lattice_distances, weight
 
-# by how much neighbour lists reach beyond the effective radius, in particle spacings
-SKIN = 0.3
-
 
 @dataclass(frozen=True)
 class Operators:

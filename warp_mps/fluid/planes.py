@@ -26,7 +26,7 @@ from types import SimpleNamespace
 
 import warp as wp
 
-from warp_mps.core.kit import Kit
+from warp_mps.core.types import NumericTypes
 from warp_mps.fluid.lists import METHOD, list_kernels
 
 # in spacings: how far a wall's particles may lie before its face, and the least distance from it that is believed
@@ -43,24 +43,24 @@ LEAST_SPREAD = 0.1
 
 
 @functools.cache
-def plane_kernels(kit: Kit) -> SimpleNamespace:
+def plane_kernels(types: NumericTypes) -> SimpleNamespace:
     """The kernel `find_planes`, and the functions `mirrored`, `spread` and `strain_beyond`."""
-    real, vec, mat, d = kit.real, kit.vec, kit.mat, kit.dimension
-    apart = list_kernels(kit).apart
+    real, vec, mat, d = types.real, types.vec, types.mat, types.dimension
+    apart = list_kernels(types).apart
 
-    @kit.func(METHOD)
+    @types.func(METHOD)
     def mirrored(square: real, normal_i: vec, normal_j: vec, depth_i: real, depth_j: real) -> real:
         """Square of the distance to the mirror image of a neighbour; without end if it has none."""
         if depth_j <= real(0.0) or wp.dot(normal_i, normal_j) < real(SAME_FACE):
             return real(wp.inf)
         return square + real(4.0) * depth_i * depth_j
 
-    @kit.func(METHOD)
+    @types.func(METHOD)
     def spread(moments: mat, normal: vec) -> real:
         """Mean second moment along a face."""
         return (wp.trace(moments) - wp.dot(normal, moments * normal)) / real(wp.static(d - 1))
 
-    @kit.func(METHOD)
+    @types.func(METHOD)
     def strain_beyond(
         strain: mat, moments: mat, wall_strain: mat, wall_moments: mat, reach: vec, normal: vec, depth: real
     ) -> mat:
@@ -86,7 +86,7 @@ def plane_kernels(kit: Kit) -> SimpleNamespace:
             result += (spread(wall_moments, normal) / own) * (along * strain * along) - along * wall_strain
         return result
 
-    @kit.kernel(METHOD)
+    @types.kernel(METHOD)
     def find_planes(
         # Model:
         walls: wp.int32,

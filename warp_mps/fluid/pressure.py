@@ -47,7 +47,7 @@ from types import SimpleNamespace
 
 import warp as wp
 
-from warp_mps.core.kit import Kit
+from warp_mps.core.types import NumericTypes
 from warp_mps.fluid.lists import METHOD, list_kernels
 from warp_mps.fluid.planes import plane_kernels
 
@@ -71,19 +71,19 @@ LARGEST_SCALE = 0.06
 
 
 @functools.cache
-def pressure_kernels(kit: Kit) -> SimpleNamespace:
+def pressure_kernels(types: NumericTypes) -> SimpleNamespace:
     """Kernels `assemble`, `least`, `lift`."""
-    real, vec, mat = kit.real, kit.vec, kit.mat
-    apart = list_kernels(kit).apart
-    mirrored, strain_beyond = plane_kernels(kit).mirrored, plane_kernels(kit).strain_beyond
+    real, vec, mat = types.real, types.vec, types.mat
+    apart = list_kernels(types).apart
+    mirrored, strain_beyond = plane_kernels(types).mirrored, plane_kernels(types).strain_beyond
 
-    @kit.func(METHOD)
+    @types.func(METHOD)
     def weight(r: real, radius: real) -> real:
         """w(r) = r_e/r - 1 (Koshizuka & Oka 1996)."""
         # two particles in one place must not make a number that is none
         return wp.max(radius / wp.max(r, real(1.0e-6) * radius) - real(1.0), real(0.0))
 
-    @kit.func(METHOD)
+    @types.func(METHOD)
     def slope(scheme: wp.int32, r: real, radius: real) -> real:
         """The pair weight g/r_e^2 of the gradient; the original one for the original scheme."""
         if scheme > wp.static(CORRECTED):
@@ -93,7 +93,7 @@ def pressure_kernels(kit: Kit) -> SimpleNamespace:
         s = real(1.0) - r * (real(1.0) / radius)
         return s * s * s * (real(1.0) / (radius * radius))
 
-    @kit.func(METHOD)
+    @types.func(METHOD)
     def source(scheme: wp.int32, e: real, slack: real, div: real, dt: real, tau: real) -> real:
         """Source of -lap p, per density."""
         if scheme == wp.static(KOSHIZUKA_OKA):
@@ -101,7 +101,7 @@ def pressure_kernels(kit: Kit) -> SimpleNamespace:
         e = wp.clamp(e - wp.clamp(e, real(0.0), slack), real(-LARGEST_ERROR), real(LARGEST_ERROR))
         return (e / tau - div) / dt
 
-    @kit.kernel(METHOD)
+    @types.kernel(METHOD)
     def assemble(
         # Model:
         walls: wp.int32,
@@ -219,7 +219,7 @@ def pressure_kernels(kit: Kit) -> SimpleNamespace:
             e = real(0.0)
         n_out[k] = n
         surface_out[k] = surface
-        even = real(wp.static(kit.dimension)) / wp.max(gradient * moment, real(1.0e-6))
+        even = real(wp.static(types.dimension)) / wp.max(gradient * moment, real(1.0e-6))
         scale_out[k] = wp.clamp(even, real(1.0 - LARGEST_SCALE), real(1.0 + LARGEST_SCALE))
         first_out[k] = start
         count_out[k] = entries
@@ -236,7 +236,7 @@ def pressure_kernels(kit: Kit) -> SimpleNamespace:
             given += density * source(scheme, e, slack, wp.trace(strain), h, tau)
         rhs_out[k] = wp.float64(given) + wp.float64(damping) * p[k]
 
-    @kit.kernel(METHOD)
+    @types.kernel(METHOD)
     def least(chunk: wp.int32, p: wp.array(dtype=wp.float64), least_out: wp.array(dtype=wp.float64)):
         """Least pressure of each chunk of particles."""
         c = wp.tid()
@@ -245,7 +245,7 @@ def pressure_kernels(kit: Kit) -> SimpleNamespace:
             value = wp.min(value, p[k])
         least_out[c] = value
 
-    @kit.kernel(METHOD)
+    @types.kernel(METHOD)
     def lift(
         clip: wp.int32,
         singular: wp.array(dtype=wp.int32),

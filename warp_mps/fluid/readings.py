@@ -5,17 +5,17 @@ from typing import Any
 import numpy as np
 import warp as wp
 
-from warp_mps.core.kit import Kit
-from warp_mps.core.solver import ConjugateGradient, Statistics
-from warp_mps.elastic.stresses import StressFields
-from warp_mps.energy import Energy
+from warp_mps.core.linear.conjugate_gradient import ConjugateGradient, Statistics
+from warp_mps.core.types import NumericTypes
+from warp_mps.elastic.output.stresses import StressFields
 from warp_mps.fluid.lists import NeighbourLists
 from warp_mps.fluid.operators import Operators
 from warp_mps.fluid.state import FluidState
 from warp_mps.fluid.viscous import ImplicitViscosity
 from warp_mps.fluid.volumes import volume_kernels
-from warp_mps.particles import Particles
-from warp_mps.rigid.poses import Poses
+from warp_mps.particles.filling import Particles
+from warp_mps.results.energy import Energy
+from warp_mps.walls.poses import Poses
 
 
 class FluidReadings:
@@ -43,7 +43,7 @@ class FluidReadings:
     _courant: float
     _spacing: float
     _device: Any
-    _kit: Kit
+    _kit: NumericTypes
 
     def positions(self) -> np.ndarray:
         """Positions [m], shape [n, d]."""

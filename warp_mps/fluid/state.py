@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 import warp as wp
 
-from warp_mps.core.kit import Kit
+from warp_mps.core.types import NumericTypes
 from warp_mps.fluid.lists import NeighbourLists
-from warp_mps.particles import Particles
+from warp_mps.particles.filling import Particles
 
 
 @dataclass(kw_only=True)
@@ -61,30 +61,32 @@ class FluidState:
             getattr(self, item.name).assign(arrays[item.name])
 
 
-def initial_state(particles: Particles, lists: NeighbourLists, n0: float, *, kit: Kit, device: Any) -> FluidState:
+def initial_state(
+    particles: Particles, lists: NeighbourLists, n0: float, *, types: NumericTypes, device: Any
+) -> FluidState:
     """The state at the start of a run.
 
     Args:
         particles: The particles, walls first.
         lists: The neighbour lists.
         n0: Number density of a full lattice.
-        kit: Number types.
+        types: Number types.
         device: Warp device.
     """
     n, m = particles.count, particles.liquid
-    vec64 = wp.types.vector(length=kit.dimension, dtype=wp.float64)
+    vec64 = wp.types.vector(length=types.dimension, dtype=wp.float64)
 
     def array(values: Any, kind: Any) -> wp.array:
         return wp.array(values, dtype=kind, device=device)
 
     return FluidState(
-        x=array(particles.positions, kit.vec),
-        u=array(particles.velocities, kit.vec),
-        a=wp.zeros(n, dtype=kit.vec, device=device),
+        x=array(particles.positions, types.vec),
+        u=array(particles.velocities, types.vec),
+        a=wp.zeros(n, dtype=types.vec, device=device),
         lost=wp.zeros(n, dtype=wp.int32, device=device),
         order=array(np.arange(m), wp.int32),
         p=wp.zeros(m, dtype=wp.float64, device=device),
-        n=wp.full(m, n0, dtype=kit.real, device=device),
+        n=wp.full(m, n0, dtype=types.real, device=device),
         impulse=wp.zeros(max(n - m, 1), dtype=vec64, device=device),
         work=wp.zeros(max(n - m, 1), dtype=wp.float64, device=device),
         forces=wp.zeros(max(n - m, 1), dtype=vec64, device=device),

@@ -11,8 +11,8 @@ from typing import Any
 
 import warp as wp
 
-from warp_mps.core.kit import Kit
-from warp_mps.core.solver import ConjugateGradient, Matrix
+from warp_mps.core.linear.conjugate_gradient import ConjugateGradient, Matrix
+from warp_mps.core.types import NumericTypes
 from warp_mps.fluid.lists import METHOD, list_kernels
 from warp_mps.fluid.pressure import pressure_kernels
 
@@ -20,12 +20,12 @@ TOLERANCE, MAX_ITERATIONS = 1e-6, 1000
 
 
 @functools.cache
-def viscous_kernels(kit: Kit) -> SimpleNamespace:
+def viscous_kernels(types: NumericTypes) -> SimpleNamespace:
     """Kernels `rows` and `join`."""
-    real, vec, d = kit.real, kit.vec, kit.dimension
-    apart, weight = list_kernels(kit).apart, pressure_kernels(kit).weight
+    real, vec, d = types.real, types.vec, types.dimension
+    apart, weight = list_kernels(types).apart, pressure_kernels(types).weight
 
-    @kit.kernel(METHOD)
+    @types.kernel(METHOD)
     def rows(
         # Model:
         walls: wp.int32,
@@ -81,7 +81,7 @@ def viscous_kernels(kit: Kit) -> SimpleNamespace:
             rhs_out[axis, k] = wp.float64(rhs[axis])
             guess_out[axis, k] = wp.float64(u[i][axis])
 
-    @kit.kernel(METHOD)
+    @types.kernel(METHOD)
     def join(
         # Model:
         walls: wp.int32,
@@ -113,18 +113,20 @@ class ImplicitViscosity:
         n: Number of particles.
         walls: Number of those that are walls, the first ones.
         matrix: Room for a matrix of the fluid's particles.
-        kit: Number types.
+        types: Number types.
         device: Warp device.
     """
 
-    def __init__(self, n: int, walls: int, matrix: Matrix, *, kit: Kit, device: Any) -> None:
-        self._kernels, self._device, self._n, self._walls = viscous_kernels(kit), device, n, walls
+    def __init__(self, n: int, walls: int, matrix: Matrix, *, types: NumericTypes, device: Any) -> None:
+        self._kernels, self._device, self._n, self._walls = viscous_kernels(types), device, n, walls
         self.use(matrix)
         m = n - walls
-        self._rhs = wp.zeros((kit.dimension, m), dtype=wp.float64, device=device)
-        self._solution = wp.zeros((kit.dimension, m), dtype=wp.float64, device=device)
-        self.solver = ConjugateGradient(m, kit=kit, device=device, tolerance=TOLERANCE, max_iterations=MAX_ITERATIONS)
-        self.u = wp.zeros(n, dtype=kit.vec, device=device)
+        self._rhs = wp.zeros((types.dimension, m), dtype=wp.float64, device=device)
+        self._solution = wp.zeros((types.dimension, m), dtype=wp.float64, device=device)
+        self.solver = ConjugateGradient(
+            m, types=types, device=device, tolerance=TOLERANCE, max_iterations=MAX_ITERATIONS
+        )
+        self.u = wp.zeros(n, dtype=types.vec, device=device)
 
     def use(self, matrix: Matrix) -> None:
         """Take other room for the matrix."""

@@ -20,7 +20,7 @@ from types import SimpleNamespace
 
 import warp as wp
 
-from warp_mps.core.kit import Kit
+from warp_mps.core.types import NumericTypes
 from warp_mps.fluid.lists import METHOD, list_kernels
 from warp_mps.fluid.pressure import CLOSEST, SURFACE_DENSITY, SURFACE_NEIGHBOURS, pressure_kernels
 
@@ -29,19 +29,19 @@ AIR = 0.9
 
 
 @functools.cache
-def volume_kernels(kit: Kit) -> SimpleNamespace:
+def volume_kernels(types: NumericTypes) -> SimpleNamespace:
     """The kernel `take_up`."""
-    real, vec = kit.real, kit.vec
-    apart, weight = list_kernels(kit).apart, pressure_kernels(kit).weight
+    real, vec = types.real, types.vec
+    apart, weight = list_kernels(types).apart, pressure_kernels(types).weight
 
-    @kit.func(METHOD)
+    @types.func(METHOD)
     def smooth(r: real, radius: real) -> real:
         """(1 - r^2/r_e^2)^4, for r within r_e."""
         q = r / radius
         s = real(1.0) - q * q
         return s * s * s * s
 
-    @kit.kernel(METHOD)
+    @types.kernel(METHOD)
     def take_up(
         # Model:
         walls: wp.int32,

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from warp_mps.observers.base import View
 from warp_mps.observers.sampling import FIELDS
-from warp_mps.particles import Particles
+from warp_mps.particles.filling import Particles
 from warp_mps.scene import Scene
 
 
@@ -36,7 +36,7 @@ class FrameRecorder:
         provenance: Mapping[str, str | float | int],
         resume_after: float | None = None,
     ) -> None:
-        from warp_mps.usd.animation import AnimationWriter
+        from warp_mps.usd.animation.writer import AnimationWriter
 
         self.every = every
         self._outputs = scene.outputs

@@ -1,18 +1,14 @@
 """What a person describes: bodies, walls, materials, supports, loads, probes and the answers to expect.
 
 A :class:`Scene` is plain data in SI units. It knows neither Warp nor USD: `warp_mps.usd` reads one from a stage and
-saves it as one, `warp_mps.particles` fills it with particles. A 2-D scene lies in the x-y plane of its own
+saves it as one, `warp_mps.particles.filling` fills it with particles. A 2-D scene lies in the x-y plane of its own
 coordinates; quantities are then per metre of depth.
 """
 
 from warp_mps.scene.actions import Load, Support
 from warp_mps.scene.bodies import Body, Fluid, Part, Wall
 from warp_mps.scene.case import Scene
-from warp_mps.scene.choices import Contact, Elasticity, Flow, StageFrame
-from warp_mps.scene.materials import Liquid, Material
-from warp_mps.scene.motions import HarmonicMotion, HarmonicRotation, TableMotion, TableRotation, Vector, VelocityField
-from warp_mps.scene.records import Measurement, Probe
-from warp_mps.scene.words import (
+from warp_mps.scene.choices import (
     ABOUT_QUANTITIES,
     ANALYSES,
     AT_MEASURES,
@@ -37,6 +33,10 @@ from warp_mps.scene.words import (
     WALL_QUANTITIES,
     WALL_SLIPS,
 )
+from warp_mps.scene.materials import Liquid, Material
+from warp_mps.scene.motions import HarmonicMotion, HarmonicRotation, TableMotion, TableRotation, Vector, VelocityField
+from warp_mps.scene.numerics import Contact, Elasticity, Flow, StageFrame
+from warp_mps.scene.probes import Measurement, Probe
 
 __all__ = [
     "ABOUT_QUANTITIES",

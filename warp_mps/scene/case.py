@@ -6,10 +6,10 @@ from dataclasses import dataclass
 
 from warp_mps.scene.actions import Load, Support
 from warp_mps.scene.bodies import Body, Fluid, Wall
-from warp_mps.scene.choices import Contact, Elasticity, Flow, StageFrame
 from warp_mps.scene.materials import Material
 from warp_mps.scene.motions import Vector
-from warp_mps.scene.records import Measurement, Probe
+from warp_mps.scene.numerics import Contact, Elasticity, Flow, StageFrame
+from warp_mps.scene.probes import Measurement, Probe
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -44,7 +44,7 @@ class Scene:
         load_steps: Increments in which a static load grows to all of it; each makes a frame and a row.
         integrator: ``explicit``, or ``implicit``: steps of any length by the theta rule, of `time_step` or those of the
             water about the bodies. ``auto`` is explicit for bodies alone; in water see `warp_mps.coupling.choice`.
-        theta: Theta of that rule: 0.5 keeps the energy, 1 damps most (`warp_mps.elastic.implicit.theta`). Explicit
+        theta: Theta of that rule: 0.5 keeps the energy, 1 damps most (`warp_mps.elastic.implicit.theta_rule`). Explicit
             steps in water are damped as much (`warp_mps.coupling.choice`).
         courant: Time step in units of l0 / c_p, c_p the speed of pressure waves [-], and at most 0.9
             of what is stable for small deformations.
@@ -52,7 +52,7 @@ class Scene:
         path: Where it was described, for error messages.
 
     Raises:
-        InputError: Something in it is not allowed; see `warp_mps.checks`.
+        InputError: Something in it is not allowed; see `warp_mps.scene.validation.scene`.
     """
 
     bodies: tuple[Body, ...] = ()
@@ -85,7 +85,7 @@ class Scene:
     path: str = "scene"
 
     def __post_init__(self) -> None:
-        from warp_mps.checks import check_scene
+        from warp_mps.scene.validation.scene import check_scene
 
         check_scene(self)
 

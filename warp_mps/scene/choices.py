@@ -1,88 +1,103 @@
-"""How a case is computed, and how it lies in its stage."""
+"""The words that a scene may use, and the units of what is recorded."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
-from warp_mps.scene.motions import Vector
-
-
-@dataclass(frozen=True, kw_only=True)
-class Elasticity:
-    """The elastic model and its choices, the same for every body of a scene.
-
-    Attributes:
-        model: ``hamiltonian``, accurate and for large strains, or ``springs``, the paper's.
-        effective_radius: Effective radius r_e in units of the particle spacing [-].
-        normalization: What the operators of ``springs`` are normalized by: ``lattice`` (n0 of a full lattice, as in
-            eq. 14) or ``particle`` (the particle's own n_i, as in eq. 6).
-        control: Strength with which ``hamiltonian`` resists zero-energy modes [-]. The default is the most accurate up
-            to some 16 particles through a thickness; 0.65 to 0.7 shows the second order already from 8 on.
-    """
-
-    model: str = "hamiltonian"
-    effective_radius: float = 1.5
-    normalization: str = "lattice"
-    control: float = 0.5
-
-
-@dataclass(frozen=True, kw_only=True)
-class Contact:
-    """How bodies and walls repel each other where their faces meet; `warp_mps.elastic.contact_law` gives the law.
-
-    Attributes:
-        between: ``bodies`` (different bodies), ``all`` (also a body and itself), or ``none``. A body does not see
-            itself across a gap that is narrower than two spacings.
-        stiffness: Pressure of a small penetration in units of E penetration / l0 [-], E of the softer material.
-        friction: Coefficient of Coulomb friction [-]; 0 is none.
-    """
-
-    between: str = "bodies"
-    stiffness: float = 1.0
-    friction: float = 0.0
-
-
-@dataclass(frozen=True, kw_only=True)
-class Flow:
-    """How fluids are computed, the same for all of a scene.
-
-    Attributes:
-        scheme: One of `FLUID_SCHEMES`: ``conservative`` (pair forces equal and opposite), ``corrected`` (gradients
-            exact for linear pressures, with shifting), or the original MPS, ``koshizuka_oka``.
-        effective_radius: Effective radius r_e in units of the particle spacing [-]; None is 3.1 in 2-D, 2.1 in 3-D.
-        negative_pressure: ``clipped`` where water would have to pull, or ``allowed``.
-        tolerance: True residual of the pressure solve, relative to its right-hand side [-].
-        courant: Largest time step in units of l0 / u, u the speed of the fastest particle [-].
-        domain: Lowest and highest corner of the region that is computed [m]; particles that leave it are counted and
-            left out. None is a wide box about all particles.
-        periodic: Axes along which the domain repeats itself (0 is x).
-    """
-
-    scheme: str = "conservative"
-    effective_radius: float | None = None
-    negative_pressure: str = "clipped"
-    tolerance: float = 1e-4
-    courant: float = 0.2
-    domain: tuple[Vector, Vector] | None = None
-    periodic: tuple[int, ...] = ()
-
-    def radius(self, dimension: int) -> float:
-        """Effective radius in units of the particle spacing [-], in 2 or 3 dimensions."""
-        return self.effective_radius or (3.1 if dimension == 2 else 2.1)
-
-
-@dataclass(frozen=True, kw_only=True)
-class StageFrame:
-    """How the scene lies in the stage that it was read from, and in which results are written.
-
-    Attributes:
-        axes: The stage's axes along which the scene's axes lie: ``xyz`` in 3-D, and ``xy``, ``xz`` or ``yz`` in 2-D.
-        up_axis: Up axis of the stage, ``Y`` or ``Z``.
-        meters_per_unit: Length of the stage's unit [m].
-        kilograms_per_unit: Mass of the stage's unit [kg].
-    """
-
-    axes: str = "xy"
-    up_axis: str = "Y"
-    meters_per_unit: float = 1.0
-    kilograms_per_unit: float = 1.0
+ANALYSES = ("dynamic", "static")
+INTEGRATORS = ("auto", "explicit", "implicit")
+ELASTIC_MODELS = ("hamiltonian", "springs")
+LAWS = ("st_venant_kirchhoff", "neo_hookean")
+NORMALIZATIONS = ("lattice", "particle")
+PLANE_MODELS = ("strain", "stress")
+CONTACTS = ("none", "bodies", "all")
+INTERPOLATIONS = ("linear", "cubic")
+WALL_SLIPS = ("free", "no")
+_SHAPE = ("amplitude", "axis", "origin", "length")
+# what each kind of velocity field needs
+VELOCITY_FIELD_PARTS = {
+    "sine": _SHAPE,
+    "free_free_beam": _SHAPE,
+    "clamped_free_beam": _SHAPE,
+    "twist": ("rate", "axis", "origin", "length"),
+    "stagnation": ("rate", "axis", "origin"),
+    "taylor_green": _SHAPE,
+    "standing_wave": (*_SHAPE, "depth"),
+}
+VELOCITY_FIELDS = tuple(VELOCITY_FIELD_PARTS)
+# those that have modes
+MODAL_FIELDS = VELOCITY_FIELDS[:4]
+FLUID_SCHEMES = ("conservative", "corrected", "koshizuka_oka")
+NEGATIVE_PRESSURES = ("clipped", "allowed")
+OUTPUTS = ("stress", "strain", "von_mises", "strain_energy")
+_FIELDS = ("position", "displacement", "velocity", "rotation", "pressure", *OUTPUTS)
+_WHOLE = ("position", "displacement", "velocity", "extent", "lowest", "highest")
+_MASSIVE = ("momentum", "angular_momentum", "kinetic_energy")
+PROBE_QUANTITIES = {
+    "point": _FIELDS,
+    "region": (*_FIELDS, "section_force", "section_moment"),
+    "body": (*_WHOLE, *_MASSIVE, "contact_force"),
+    "support": ("reaction",),
+}
+# what a probe can record of a wall, which has no mass, and in a scene of fluids
+WALL_QUANTITIES = (*_WHOLE, "contact_force", "contact_moment")
+FLUID_QUANTITIES = {
+    "point": ("pressure", "velocity", "elevation"),
+    "region": ("pressure", "velocity"),
+    "body": ("position", "velocity", "extent", "lowest", "highest", *_MASSIVE, "volume"),
+    "support": (),
+}
+# those that are taken about a point
+ABOUT_QUANTITIES = ("section_moment", "contact_moment")
+# unit of each quantity in 2-D, per metre of depth where it is extensive, and in 3-D
+PROBE_UNITS = {
+    "position": ("m", "m"),
+    "displacement": ("m", "m"),
+    "velocity": ("m/s", "m/s"),
+    "rotation": ("rad", "rad"),
+    "pressure": ("Pa", "Pa"),
+    "elevation": ("m", "m"),
+    "extent": ("m", "m"),
+    "lowest": ("m", "m"),
+    "highest": ("m", "m"),
+    "momentum": ("kg/s", "kg m/s"),
+    "angular_momentum": ("kg m/s", "kg m^2/s"),
+    "kinetic_energy": ("J/m", "J"),
+    "volume": ("m^2", "m^3"),
+    "contact_force": ("N/m", "N"),
+    "contact_moment": ("N", "N m"),
+    "reaction": ("N/m", "N"),
+    "stress": ("Pa", "Pa"),
+    "strain": ("-", "-"),
+    "von_mises": ("Pa", "Pa"),
+    "strain_energy": ("J/m^3", "J/m^3"),
+    "section_force": ("N/m", "N"),
+    "section_moment": ("N", "N m"),
+}
+MEASURES = (
+    "frequency",
+    "period",
+    "amplitude",
+    "offset",
+    "mean",
+    "minimum",
+    "maximum",
+    "midrange",
+    "half_range",
+    "final",
+    "restitution",
+    "contact_time",
+    "harmonic_amplitude",
+    "harmonic_phase",
+    "value_at",
+    "time_at",
+)
+# measures that need `Measurement.at`
+AT_MEASURES = ("value_at", "time_at")
+# units of what is not in the unit of its probe
+MEASURE_UNITS = {
+    "frequency": ("rad/s", "Hz"),
+    "period": ("s",),
+    "contact_time": ("s",),
+    "time_at": ("s",),
+    "restitution": ("-",),
+    "harmonic_phase": ("deg",),
+}

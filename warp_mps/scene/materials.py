@@ -13,7 +13,7 @@ class Material:
         density: Mass density rho [kg/m^3].
         youngs_modulus: Young's modulus E [Pa].
         poissons_ratio: Poisson's ratio nu [-]: -1 < nu < 0.5, and -1 < nu < 1 in plane stress.
-        law: How stress grows with large strain, one of `LAWS` (`warp_mps.elastic.laws` gives the formulas).
+        law: How stress grows with large strain, one of `LAWS` (`warp_mps.elastic.materials.laws` gives the formulas).
         retardation_time: Kelvin-Voigt damping: a viscous stress of this time tau times the rate of the elastic one [s].
             A mode of angular frequency omega has the damping ratio tau omega / 2. For the hamiltonian model.
         path: Where it was described, for error messages.

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from warp_mps.errors import InputError
-from warp_mps.requirements import is_number
+from warp_mps.shapes.numbers import is_number
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

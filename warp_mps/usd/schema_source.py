@@ -8,8 +8,8 @@ from __future__ import annotations
 import json
 
 from warp_mps.usd import SCHEMA
-from warp_mps.usd.attributes import ROLE, ROLES, TABLE
-from warp_mps.usd.rows import Attribute
+from warp_mps.usd.case.attributes import ROLE, ROLES, TABLE
+from warp_mps.usd.case.rows import Attribute
 
 PLUGIN = "warpMps"
 MEANINGS = {
@@ -52,7 +52,9 @@ def plug_info() -> str:
 
 def generated_schema() -> str:
     """Text of generatedSchema.usda."""
-    head = '#usda 1.0\n(\n    "Written from warp_mps/usd/rows.py by warp_mps/usd/schema_source.py; do not edit."\n)\n'
+    head = (
+        '#usda 1.0\n(\n    "Written from warp_mps/usd/case/rows.py by warp_mps/usd/schema_source.py; do not edit."\n)\n'
+    )
     return head + "".join(_schema(role) for role in TABLE)
 
 

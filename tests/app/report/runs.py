@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 
 from tests.app.results import UPRIGHT, write_result
-from warp_mps.history import TIME_LABEL, History, energy_labels, write_history
-from warp_mps.particles import fill_scene
-from warp_mps.results import RunSummary
+from warp_mps.particles.filling import fill_scene
+from warp_mps.results.history import TIME_LABEL, History, energy_labels, write_history
+from warp_mps.results.summary import RunSummary
 from warp_mps.scene import Fluid, Scene, StageFrame, Wall
 from warp_mps.shapes import Box
-from warp_mps.usd.animation import AnimationWriter
+from warp_mps.usd.animation.writer import AnimationWriter
 
 MEASURED: list[dict[str, Any]] = [
     {

@@ -12,8 +12,8 @@ import pytest
 from tests.app.report.browser import Browser, find_browser
 from tests.app.report.runs import write_run, write_tables, write_water
 from tests.app.results import SPACE
+from warp_mps.app.animation_reader import Animation
 from warp_mps.app.cli import main
-from warp_mps.app.result import Animation
 
 pytestmark = pytest.mark.skipif(find_browser() is None, reason="no browser is installed, such as Debian's chromium")
 # parts of the picture's pixels that are of a colour of their own, and not the paper's

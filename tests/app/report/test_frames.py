@@ -9,12 +9,12 @@ import pytest
 
 from tests.app.report.runs import write_water
 from tests.app.results import SPACE, write_result
+from warp_mps.app.animation_reader import Animation
 from warp_mps.app.cli import main
+from warp_mps.app.report import bounds as room
 from warp_mps.app.report import frames as module
-from warp_mps.app.report import room
 from warp_mps.app.report.frames import make_frames
 from warp_mps.app.report.quantities import range_of
-from warp_mps.app.result import Animation
 
 
 def test_a_plane_is_shown_upright_and_in_si_units(tmp_path: Path) -> None:

@@ -15,9 +15,9 @@ from warp_mps.app.cli import main
 from warp_mps.app.report import watch
 from warp_mps.app.report.diagrams import POINTS, make_diagrams
 from warp_mps.app.report.gather import gather
-from warp_mps.history import TIME_LABEL, History, energy_labels, write_history
-from warp_mps.locks import lock_folder
-from warp_mps.results import RunSummary
+from warp_mps.results.history import TIME_LABEL, History, energy_labels, write_history
+from warp_mps.results.summary import RunSummary
+from warp_mps.run.locks import lock_folder
 
 
 def report(folder: Path, *options: str) -> str:

@@ -12,12 +12,12 @@ from tests.bits import assert_restored_goes_on
 from tests.elastic.implicit.plates import DEFLECTION, PRESSURE, plate
 from tests.scenes import RUBBER, block, cross, random
 from warp_mps.errors import RunError
-from warp_mps.history import read_history
-from warp_mps.particles import select
-from warp_mps.runs import run_scene
+from warp_mps.particles.filling import select
+from warp_mps.results.history import read_history
+from warp_mps.run.run import run_scene
+from warp_mps.run.simulation import Simulation
 from warp_mps.scene import LAWS, Contact, Load, Probe, Scene, Support, TableMotion
 from warp_mps.shapes import Box
-from warp_mps.simulation import Simulation
 
 CLAMP = Support(name="clamp", region=Box((0.02, 1.0, 1.0), center=(-0.05, 0.0, 0.0)))
 

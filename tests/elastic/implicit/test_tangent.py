@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 import warp as wp
 
+from tests.elastic.hamiltonian.test_kernels import PLANES, irregular, strained_state
 from tests.elastic.states import Strained, strain
-from tests.elastic.test_hamiltonian import PLANES, irregular, strained_state
 from tests.scenes import random
-from warp_mps.core.kit import kit
-from warp_mps.elastic.implicit.operator import Tangent
+from warp_mps.core.types import numeric_types
+from warp_mps.elastic.implicit.tangent_operator import Tangent
 from warp_mps.scene import LAWS
 
 every_law = pytest.mark.parametrize("law", LAWS)
@@ -21,11 +21,11 @@ every_plane = pytest.mark.parametrize(("dimension", "plane"), PLANES)
 
 def tangent(held: Strained, *, inertia: float = 0.0, fixed: Any = None, precision: str = "float64") -> Tangent:
     n, d = held.particles.positions.shape
-    numbers = kit(d, precision)
+    numbers = numeric_types(d, precision)
     mass = wp.array(held.particles.masses, dtype=numbers.real, device="cpu")
     factor = wp.array([inertia], dtype=wp.float64, device="cpu")
     fixed = np.zeros((n, d), bool) if fixed is None else fixed
-    return Tangent(held.model, mass, fixed, factor, kit=numbers, device="cpu")
+    return Tangent(held.model, mass, fixed, factor, types=numbers, device="cpu")
 
 
 def dense(operator: Tangent, size: int) -> np.ndarray:

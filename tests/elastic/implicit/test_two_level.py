@@ -10,18 +10,18 @@ import pytest
 import warp as wp
 
 from tests.bits import assert_restored_goes_on, assert_same_bits
+from tests.elastic.hamiltonian.test_kernels import rotation
 from tests.elastic.states import Strained, strain
-from tests.elastic.test_hamiltonian import rotation
 from tests.scenes import HAMILTONIAN, block, random, scene_of
-from warp_mps.core.kit import PRECISIONS, kit
-from warp_mps.core.solver import ConjugateGradient, Statistics
+from warp_mps.core.linear.conjugate_gradient import ConjugateGradient, Statistics
+from warp_mps.core.types import PRECISIONS, numeric_types
 from warp_mps.elastic.implicit.coarse_matrix import positive_inverse
-from warp_mps.elastic.implicit.operator import Tangent
-from warp_mps.elastic.implicit.theta import ImplicitSolid
+from warp_mps.elastic.implicit.tangent_operator import Tangent
+from warp_mps.elastic.implicit.theta_rule import ImplicitSolid
 from warp_mps.elastic.implicit.two_level import TwoLevel
+from warp_mps.run.simulation import Simulation
 from warp_mps.scene import Load, Scene, Support
 from warp_mps.shapes import Box
-from warp_mps.simulation import Simulation
 
 
 @dataclass(frozen=True)
@@ -35,10 +35,10 @@ class System:
 
     def solve(self, *, coarse: bool, tolerance: float = 1e-4) -> Statistics:
         """Solve for a random force."""
-        size, numbers = self.fixed.size, kit(self.fixed.shape[1])
+        size, numbers = self.fixed.size, numeric_types(self.fixed.shape[1])
         chosen = self.two_level if coarse else self.tangent
         options = {"tolerance": tolerance, "max_iterations": 20_000, "preconditioner": chosen}
-        solver = ConjugateGradient(size, kit=numbers, device="cpu", **options)  # type: ignore[arg-type]
+        solver = ConjugateGradient(size, types=numbers, device="cpu", **options)  # type: ignore[arg-type]
         b = wp.array(random(size, seed=3) * ~self.fixed.ravel(), dtype=wp.float64, device="cpu")
         x = wp.zeros(size, dtype=wp.float64, device="cpu")
         solver.solve(self.tangent.operator, b, x)
@@ -70,11 +70,11 @@ def system(
     held.put(bent - particles.positions)
     inside = np.abs(particles.positions - np.array(fixed.center)[:d]) < 0.5 * np.array(fixed.size)[:d]
     clamped = np.repeat(inside.all(axis=1)[:, None], d, axis=1)
-    numbers = kit(d, precision)
+    numbers = numeric_types(d, precision)
     mass = wp.array(particles.masses, dtype=numbers.real, device="cpu")
     factor = wp.array([inertia], dtype=wp.float64, device="cpu")
-    made = Tangent(held.model, mass, clamped, factor, kit=numbers, device="cpu")
-    options: dict[str, Any] = {"kit": numbers, "device": "cpu", "parallel": parallel}
+    made = Tangent(held.model, mass, clamped, factor, types=numbers, device="cpu")
+    options: dict[str, Any] = {"types": numbers, "device": "cpu", "parallel": parallel}
     two_level = TwoLevel(made, held.model, particles, held.state, clamped, factor, **options)
     made.prepare(made.operator, mass)
     two_level.renew()
@@ -199,7 +199,9 @@ def test_a_body_that_nothing_holds_is_solved_for_forces_in_balance() -> None:
     basis = np.linalg.qr(rigid.reshape(len(x), 2, 3).reshape(size, 3))[0]
     force[:, 1] = along
     balanced = force.ravel() - basis @ (basis.T @ force.ravel())
-    solver = ConjugateGradient(size, kit=kit(2), device="cpu", tolerance=1e-6, preconditioner=made.two_level)
+    solver = ConjugateGradient(
+        size, types=numeric_types(2), device="cpu", tolerance=1e-6, preconditioner=made.two_level
+    )
     b, u = wp.array(balanced, dtype=wp.float64, device="cpu"), wp.zeros(size, dtype=wp.float64, device="cpu")
     solver.solve(made.tangent.operator, b, u)
     assert solver.count_unsolved() == 0

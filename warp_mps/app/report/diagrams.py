@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from warp_mps.app.panels import Panel, panels, references
 from warp_mps.app.report.gather import Run
 from warp_mps.app.report.tables import measured_text
+from warp_mps.app.view.panels import Panel, panels, references
 
 # points of a line; of more, the least and the greatest of every stretch are kept
 POINTS = 2000

@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from warp_mps.app.colours import whose
+from warp_mps.app.animation_reader import Animation, Cloud
+from warp_mps.app.report.bounds import axes_of, box_of, seen_of
 from warp_mps.app.report.encode import MISSING, Packed, pack, quantize
 from warp_mps.app.report.quantities import Range, quantities, range_of, title_of, unit_of
-from warp_mps.app.report.room import axes_of, box_of, seen_of
-from warp_mps.app.result import Animation, Cloud
+from warp_mps.app.view.colours import whose
 
 # by the name of a quantity and the number of a cloud
 Table = dict[str, dict[int, np.ndarray]]

@@ -6,11 +6,11 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
-from warp_mps.app.result import ANIMATION, Animation
+from warp_mps.app.animation_reader import ANIMATION, Animation
 from warp_mps.errors import InputError
-from warp_mps.history import History, read_history
-from warp_mps.locks import is_locked
-from warp_mps.results import RunSummary, energy_record, read_summary
+from warp_mps.results.history import History, read_history
+from warp_mps.results.summary import RunSummary, energy_record, read_summary
+from warp_mps.run.locks import is_locked
 
 PROBES, SUMMARY = "probes.csv", "run.json"
 # an animation that is being written is tried again: its file may have been replaced while it was opened

@@ -8,9 +8,9 @@ from functools import cache, partial
 
 import numpy as np
 
-from warp_mps.app.colours import NAMES, usual_range, whose
-from warp_mps.app.result import UNITS, Animation
-from warp_mps.components import TENSORS, tensor_places
+from warp_mps.app.animation_reader import UNITS, Animation
+from warp_mps.app.view.colours import NAMES, usual_range, whose
+from warp_mps.scene.components import TENSORS, tensor_places
 
 Values = Callable[[], np.ndarray]
 
@@ -27,7 +27,7 @@ class Range:
     Attributes:
         least: The least.
         greatest: The greatest.
-        shown: Those that the colours stand for at first; see `warp_mps.app.colours.usual_range`.
+        shown: Those that the colours stand for at first; see `warp_mps.app.view.colours.usual_range`.
     """
 
     least: float

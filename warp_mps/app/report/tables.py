@@ -8,8 +8,8 @@ from html import escape
 from typing import Any
 
 from warp_mps.app.report.gather import Run
-from warp_mps.energy import ENERGY_NAMES
-from warp_mps.wording import duration, percent
+from warp_mps.results.energy import ENERGY_NAMES
+from warp_mps.results.formatting import duration, percent
 
 STATES = {
     "done": "finished",

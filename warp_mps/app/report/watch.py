@@ -6,9 +6,9 @@ import math
 import time
 from pathlib import Path
 
-from warp_mps.app.figures import require_format
+from warp_mps.app.animation_reader import refuse_existing
 from warp_mps.app.report.page import write_report
-from warp_mps.app.result import refuse_existing
+from warp_mps.app.view.figures import require_format
 from warp_mps.errors import InputError
 
 

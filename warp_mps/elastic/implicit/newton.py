@@ -16,16 +16,16 @@ from typing import Any, NamedTuple
 import numpy as np
 import warp as wp
 
-from warp_mps.core.kit import Kit
+from warp_mps.core.linear.conjugate_gradient import ChunkSums, ConjugateGradient
 from warp_mps.core.replay import Replay
-from warp_mps.core.solver import ChunkSums, ConjugateGradient
-from warp_mps.elastic.hamiltonian_model import HamiltonianModel
+from warp_mps.core.types import NumericTypes
+from warp_mps.elastic.hamiltonian.model import HamiltonianModel
 from warp_mps.elastic.implicit import newton_kernels as names
 from warp_mps.elastic.implicit.newton_kernels import newton_kernels
-from warp_mps.elastic.implicit.operator import Tangent
+from warp_mps.elastic.implicit.tangent_operator import Tangent
 from warp_mps.elastic.implicit.two_level import TwoLevel
 from warp_mps.elastic.state import ElasticState
-from warp_mps.particles import Particles
+from warp_mps.particles.filling import Particles
 
 # residual of the forces, relative to what they are measured by
 TOLERANCES = {"float64": 1e-8, "float32": 1e-4}
@@ -84,7 +84,7 @@ class Newton:
         state: Its state, of as many particles as the model has; `u` and `force` (the elastic one) are changed.
         mass: Masses [kg], shape [n].
         held: Whether each axis of each particle is held, shape [n, d].
-        kit: Number types.
+        types: Number types.
         device: Warp device.
         graphs: Whether launches are replayed as graphs.
         tolerance: Norm of the residual that is asked for, relative to the forces; None is that of `TOLERANCES`.
@@ -99,37 +99,37 @@ class Newton:
         mass: wp.array,
         held: np.ndarray,
         *,
-        kit: Kit,
+        types: NumericTypes,
         device: Any,
         graphs: bool = True,
         tolerance: float | None = None,
         linear_tolerance: float = LINEAR_TOLERANCE,
     ) -> None:
-        self._kernels, self._device = newton_kernels(kit), device
+        self._kernels, self._device = newton_kernels(types), device
         self._run = Replay(device=device, graphs=graphs)
         self._model, self._state, self._mass = model, state, mass
         n, self._n = held.size, len(held)
-        self.tolerance, self._rounding = tolerance or TOLERANCES[kit.precision], ROUNDING[kit.precision]
+        self.tolerance, self._rounding = tolerance or TOLERANCES[types.precision], ROUNDING[types.precision]
         self.applied, self.target, self.center, self._kept = (
-            wp.zeros(self._n, dtype=kit.vec, device=device) for _ in range(4)
+            wp.zeros(self._n, dtype=types.vec, device=device) for _ in range(4)
         )
         self.inertia = wp.zeros(1, dtype=wp.float64, device=device)
-        self.tangent = Tangent(model, mass, held, self.inertia, kit=kit, device=device)
+        self.tangent = Tangent(model, mass, held, self.inertia, types=types, device=device)
         self.preconditioner = TwoLevel(
-            self.tangent, model, particles, state, held, self.inertia, kit=kit, device=device, graphs=graphs
+            self.tangent, model, particles, state, held, self.inertia, types=types, device=device, graphs=graphs
         )
-        self._free = wp.array(~held, dtype=kit.vec, device=device)
-        self._energy = wp.zeros(self._n, dtype=kit.real, device=device)
+        self._free = wp.array(~held, dtype=types.vec, device=device)
+        self._energy = wp.zeros(self._n, dtype=types.real, device=device)
         flat = [wp.zeros(n, dtype=wp.float64, device=device) for _ in range(6)]
         self._residual, self._scale, self._right, self._pushed, self._jump, self._change = flat
         self._potential = wp.zeros(self._n, dtype=wp.float64, device=device)
         self._ones = wp.array(np.ones(self._n), dtype=wp.float64, device=device)
         self._step = wp.zeros(1, dtype=wp.float64, device=device)
         self._numbers = wp.zeros(names.NUMBERS, dtype=wp.float64, device=device)
-        self._sums = [ChunkSums(length, kit=kit, device=device) for length in (n, self._n)]
+        self._sums = [ChunkSums(length, types=types, device=device) for length in (n, self._n)]
         self.solver = ConjugateGradient(
             n,
-            kit=kit,
+            types=types,
             device=device,
             tolerance=linear_tolerance,
             max_iterations=max(1000, 4 * n),

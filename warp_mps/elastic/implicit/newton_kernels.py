@@ -12,8 +12,8 @@ from types import SimpleNamespace
 
 import warp as wp
 
-from warp_mps.core.kit import Kit
-from warp_mps.elastic.implicit.tangent import METHOD
+from warp_mps.core.types import NumericTypes
+from warp_mps.elastic.implicit.tangent_kernels import METHOD
 
 # What the host reads: the square of the residual, r . du, the square of what the residual is measured by, and twice the
 # potential; sums come in pairs, so that the sum of the squares of what the potential is made of comes last.
@@ -21,13 +21,13 @@ RESIDUAL, SLOPE, SCALE, POTENTIAL, NUMBERS = 0, 1, 2, 3, 5
 
 
 @functools.cache
-def newton_kernels(kit: Kit) -> SimpleNamespace:
+def newton_kernels(types: NumericTypes) -> SimpleNamespace:
     """Kernels `residual`, `jump`, `right_side`, `combine`, `trial` and `note`."""
-    real, vec, d = kit.real, kit.vec, kit.dimension
+    real, vec, d = types.real, types.vec, types.dimension
     real64 = wp.float64
     vec64 = wp.types.vector(length=d, dtype=wp.float64)
 
-    @kit.kernel(METHOD)
+    @types.kernel(METHOD)
     def residual(
         # Model:
         free: wp.array(dtype=vec),
@@ -60,7 +60,7 @@ def newton_kernels(kit: Kit) -> SimpleNamespace:
         scale_out[i] = scale
         potential_out[i] = real64(2.0) * (real64(energy[i]) - wp.dot(load, vec64(u[i]))) + wp.dot(pull, away)
 
-    @kit.kernel(METHOD)
+    @types.kernel(METHOD)
     def jump(
         # Model:
         free: wp.array(dtype=vec),
@@ -78,7 +78,7 @@ def newton_kernels(kit: Kit) -> SimpleNamespace:
                 away[axis] = real64(0.0)
         change_out[i] = away
 
-    @kit.kernel(METHOD)
+    @types.kernel(METHOD)
     def right_side(
         # Model:
         free: wp.array(dtype=vec),
@@ -94,13 +94,13 @@ def newton_kernels(kit: Kit) -> SimpleNamespace:
         right_out[i] = residual[i] - wp.cw_mul(vec64(free[i]), pushed[i])
         change_out[i] = vec64()
 
-    @kit.kernel(METHOD)
+    @types.kernel(METHOD)
     def combine(jump: wp.array(dtype=vec64), change_out: wp.array(dtype=vec64)):
         """The changes of held axes beside those of the free ones."""
         i = wp.tid()
         change_out[i] = change_out[i] + jump[i]
 
-    @kit.kernel(METHOD)
+    @types.kernel(METHOD)
     def trial(
         step: wp.array(dtype=wp.float64),
         # State in:
@@ -113,7 +113,7 @@ def newton_kernels(kit: Kit) -> SimpleNamespace:
         i = wp.tid()
         u_out[i] = vec(vec64(u_kept[i]) + step[0] * change[i])
 
-    @kit.kernel(METHOD)
+    @types.kernel(METHOD)
     def note(place: wp.int32, sums: wp.array(dtype=wp.vec2d), numbers_out: wp.array(dtype=wp.float64)):
         """Two sums, where the host will read them."""
         numbers_out[place] = sums[0][0]

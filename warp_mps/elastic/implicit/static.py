@@ -8,15 +8,15 @@ from typing import Any
 import numpy as np
 import warp as wp
 
-from warp_mps.core.kit import Kit
-from warp_mps.elastic.hamiltonian_model import HamiltonianModel
+from warp_mps.core.types import NumericTypes
+from warp_mps.elastic.explicit.solid import Solid
+from warp_mps.elastic.hamiltonian.model import HamiltonianModel
 from warp_mps.elastic.implicit.newton import Newton
-from warp_mps.elastic.implicit.records import solver_record
+from warp_mps.elastic.implicit.statistics import solver_record
 from warp_mps.elastic.implicit.step_kernels import step_kernels
-from warp_mps.elastic.solid import Solid
-from warp_mps.energy import Energy
 from warp_mps.errors import RunError
-from warp_mps.particles import Particles, select_held
+from warp_mps.particles.filling import Particles, select_held
+from warp_mps.results.energy import Energy
 from warp_mps.scene import Scene, TableMotion
 
 # an increment is halved at most so often where its equilibrium is not found
@@ -30,20 +30,22 @@ class StaticSolid(Solid):
     counts as a load: what it does is work, and there is no potential energy.
     """
 
-    def __init__(self, scene: Scene, particles: Particles, *, kit: Kit, device: Any, graphs: bool = True) -> None:
-        super().__init__(scene, particles, dt=1.0, kit=kit, device=device)
+    def __init__(
+        self, scene: Scene, particles: Particles, *, types: NumericTypes, device: Any, graphs: bool = True
+    ) -> None:
+        super().__init__(scene, particles, dt=1.0, types=types, device=device)
         assert isinstance(self.model, HamiltonianModel)
         state = self.state
         held = self.outside.held
-        self._kernels = step_kernels(kit)
-        self.newton = Newton(self.model, particles, state, self._mass, held, kit=kit, device=device, graphs=graphs)
+        self._kernels = step_kernels(types)
+        self.newton = Newton(self.model, particles, state, self._mass, held, types=types, device=device, graphs=graphs)
         # no inertia makes the first equation easy
         self.newton.preconditioner.renewal.demand()
-        self._free = wp.array(~held, dtype=kit.vec, device=device)
+        self._free = wp.array(~held, dtype=types.vec, device=device)
         weights = np.outer(self._masses, scene.gravity) if len(scene.gravity) else np.zeros(held.shape)
-        self._load = wp.array(weights, dtype=kit.vec, device=device)
+        self._load = wp.array(weights, dtype=types.vec, device=device)
         self.outside.push(self._load, self._mass, 0.0)
-        self._ends = wp.array(_ends(scene, particles), dtype=kit.vec, device=device)
+        self._ends = wp.array(_ends(scene, particles), dtype=types.vec, device=device)
         self._factor = wp.zeros(1, dtype=wp.float64, device=device)
         self._part = wp.zeros(1, dtype=wp.float64, device=device)
         # load factors of the present equilibrium and of the one before it, and the displacements of that

@@ -5,17 +5,17 @@ from types import SimpleNamespace
 
 import warp as wp
 
-from warp_mps.core.kit import Kit
-from warp_mps.elastic.implicit.tangent import METHOD
+from warp_mps.core.types import NumericTypes
+from warp_mps.elastic.implicit.tangent_kernels import METHOD
 
 
 @functools.cache
-def step_kernels(kit: Kit) -> SimpleNamespace:
+def step_kernels(types: NumericTypes) -> SimpleNamespace:
     """Kernels of statics (`ramp`, `predict`, `static_work`) and of steps, in their order (`begin` to `complete`)."""
-    real, vec, d = kit.real, kit.vec, kit.dimension
+    real, vec, d = types.real, types.vec, types.dimension
     real64 = wp.float64
 
-    @kit.kernel(METHOD)
+    @types.kernel(METHOD)
     def ramp(
         # Model:
         factor: wp.array(dtype=wp.float64),
@@ -31,7 +31,7 @@ def step_kernels(kit: Kit) -> SimpleNamespace:
         applied_out[i] = part * load[i]
         target_out[i] = part * place[i]
 
-    @kit.kernel(METHOD)
+    @types.kernel(METHOD)
     def predict(
         # Model:
         part: wp.array(dtype=wp.float64),
@@ -45,7 +45,7 @@ def step_kernels(kit: Kit) -> SimpleNamespace:
         i = wp.tid()
         u[i] = u[i] + real(part[0]) * wp.cw_mul(free[i], u[i] - u_earlier[i])
 
-    @kit.kernel(METHOD)
+    @types.kernel(METHOD)
     def static_work(
         # Model:
         free: wp.array(dtype=vec),
@@ -69,7 +69,7 @@ def step_kernels(kit: Kit) -> SimpleNamespace:
             total += real64(0.5) * mean * real64(u[i][axis] - u_before[i][axis])
         work[i] = work[i] + total
 
-    @kit.kernel(METHOD)
+    @types.kernel(METHOD)
     def begin(
         # Model:
         theta: wp.float64,
@@ -104,7 +104,7 @@ def step_kernels(kit: Kit) -> SimpleNamespace:
         pushed_out[i] = pushed
         applied_out[i] = pushed + mass[i] * gravity
 
-    @kit.kernel(METHOD)
+    @types.kernel(METHOD)
     def foresee(
         # Model:
         theta: wp.float64,
@@ -120,7 +120,7 @@ def step_kernels(kit: Kit) -> SimpleNamespace:
         i = wp.tid()
         u[i] = u[i] + wp.cw_mul(free[i], u_before[i] + real(theta * dt[0]) * pace[i] - u[i])
 
-    @kit.kernel(METHOD)
+    @types.kernel(METHOD)
     def keep_pace(
         # State in:
         dt: wp.array(dtype=wp.float64),
@@ -133,7 +133,7 @@ def step_kernels(kit: Kit) -> SimpleNamespace:
         i = wp.tid()
         pace_out[i] = (u[i] - u_before[i]) / real(dt[0])
 
-    @kit.kernel(METHOD)
+    @types.kernel(METHOD)
     def extrapolate(
         # Model:
         theta: wp.float64,
@@ -188,7 +188,7 @@ def step_kernels(kit: Kit) -> SimpleNamespace:
         work[i] = work[i] + gained
         dissipated[i] = dissipated[i] + lost
 
-    @kit.kernel(METHOD)
+    @types.kernel(METHOD)
     def account(
         # Model:
         theta: wp.float64,
@@ -205,7 +205,7 @@ def step_kernels(kit: Kit) -> SimpleNamespace:
         fall = wp.dot(u[i] - u_before[i], force_before[i] - force[i])
         dissipated[i] = dissipated[i] + (theta - real64(0.5)) * real64(fall)
 
-    @kit.kernel(METHOD)
+    @types.kernel(METHOD)
     def complete(
         # Model:
         gravity: vec,

@@ -23,16 +23,16 @@ from typing import Any
 import numpy as np
 import warp as wp
 
-from warp_mps.core.kit import Kit
 from warp_mps.core.replay import Replay
-from warp_mps.elastic.hamiltonian_model import HamiltonianModel
+from warp_mps.core.types import NumericTypes
+from warp_mps.elastic.hamiltonian.model import HamiltonianModel
 from warp_mps.elastic.implicit.aggregates import aggregate
 from warp_mps.elastic.implicit.coarse_matrix import CoarseMatrix
-from warp_mps.elastic.implicit.operator import Tangent
-from warp_mps.elastic.implicit.renewal import Renewal
+from warp_mps.elastic.implicit.reuse import Renewal
+from warp_mps.elastic.implicit.tangent_operator import Tangent
 from warp_mps.elastic.implicit.two_level_kernels import two_level_kernels
 from warp_mps.elastic.state import ElasticState
-from warp_mps.particles import Particles
+from warp_mps.particles.filling import Particles
 
 # added to the diagonal of a coarse matrix of unit diagonal: for bodies that nothing holds, and for the rounding of
 # products in the run's precision
@@ -48,7 +48,7 @@ PARTICLES, SHARES = 32, 16
 
 
 class TwoLevel:
-    """Preconditioner of `warp_mps.core.solver.ConjugateGradient` for a `Tangent`.
+    """Preconditioner of `warp_mps.core.linear.conjugate_gradient.ConjugateGradient` for a `Tangent`.
 
     Attributes:
         aggregates: The groups of particles.
@@ -61,7 +61,7 @@ class TwoLevel:
         state: Its state.
         held: Whether each axis of each particle is held, shape [n, d].
         inertia: The factor a of the masses [1/s^2], float64, shape [1].
-        kit: Number types.
+        types: Number types.
         device: Warp device.
         graphs: Whether launches are replayed as graphs.
         parallel: Whether several threads share a long sum; None is on a GPU.
@@ -76,16 +76,16 @@ class TwoLevel:
         held: np.ndarray,
         inertia: wp.array,
         *,
-        kit: Kit,
+        types: NumericTypes,
         device: Any,
         graphs: bool = True,
         parallel: bool | None = None,
     ) -> None:
-        self._kernels, self._device = two_level_kernels(kit), device
+        self._kernels, self._device = two_level_kernels(types), device
         self._run = Replay(device=device, graphs=graphs)
         self._tangent, self._model, self._state, self._inertia = tangent, model, state, inertia
         self._n, d = held.shape
-        self._modes, self._shift = 3 * (d - 1), SHIFTS[kit.precision]
+        self._modes, self._shift = 3 * (d - 1), SHIFTS[types.precision]
         start, index = model.start.numpy(), model.index.numpy()
         moves = np.asarray(~held.all(axis=1))
         self.aggregates = aggregate(particles.positions, particles.spacings, moves, start, index, modes=self._modes)
@@ -103,7 +103,7 @@ class TwoLevel:
         vec64 = wp.types.vector(length=d, dtype=wp.float64)
         self._motion = wp.types.vector(length=self._modes, dtype=wp.float64)
         self._reference = wp.array(particles.positions, dtype=vec64, device=device)
-        self._free = wp.array(~held, dtype=kit.vec, device=device)
+        self._free = wp.array(~held, dtype=types.vec, device=device)
         self._of, self._paint = integers(groups.of), integers(groups.colours)
         self._first, self._order = integers(groups.first), integers(groups.order)
         parts, of_aggregate = _parts(groups.first, PARTICLES if self._parallel else self._n)

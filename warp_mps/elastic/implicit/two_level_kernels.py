@@ -5,18 +5,18 @@ from types import SimpleNamespace
 
 import warp as wp
 
-from warp_mps.core.kit import Kit
-from warp_mps.elastic.implicit.tangent import METHOD
+from warp_mps.core.types import NumericTypes
+from warp_mps.elastic.implicit.tangent_kernels import METHOD
 
 
 @functools.cache
-def two_level_kernels(kit: Kit) -> SimpleNamespace:
+def two_level_kernels(types: NumericTypes) -> SimpleNamespace:
     """Kernels `arms`, `spread`, `restrict`, `gather`, `respond`, `collect` and `prolong`.
 
     A motion of an aggregate is a velocity of its centre and an angular velocity about it, 3 numbers in 2-D and 6 in
     3-D; what does work on it is a force and a moment. Nothing is done while `on` is 0.
     """
-    vec, d = kit.vec, kit.dimension
+    vec, d = types.vec, types.dimension
     real64 = wp.float64
     vec64 = wp.types.vector(length=d, dtype=wp.float64)
     modes = wp.types.vector(length=3 * (d - 1), dtype=wp.float64)
@@ -24,30 +24,30 @@ def two_level_kernels(kit: Kit) -> SimpleNamespace:
 
     if d == 2:
 
-        @kit.func(METHOD)
+        @types.func(METHOD)
         def wrench(arm: vec64, f: vec64) -> modes:
             """Force and moment of a force at an arm."""
             return modes(f[0], f[1], arm[0] * f[1] - arm[1] * f[0])
 
-        @kit.func(METHOD)
+        @types.func(METHOD)
         def motion(arm: vec64, m: modes) -> vec64:
             """What a motion of an aggregate does at an arm."""
             return vec64(m[0] - m[2] * arm[1], m[1] + m[2] * arm[0])
 
     else:
 
-        @kit.func(METHOD)
+        @types.func(METHOD)
         def wrench(arm: vec64, f: vec64) -> modes:
             """Force and moment of a force at an arm."""
             t = wp.cross(arm, f)
             return modes(f[0], f[1], f[2], t[0], t[1], t[2])
 
-        @kit.func(METHOD)
+        @types.func(METHOD)
         def motion(arm: vec64, m: modes) -> vec64:
             """What a motion of an aggregate does at an arm."""
             return vec64(m[0], m[1], m[2]) + wp.cross(vec64(m[3], m[4], m[5]), arm)
 
-    @kit.kernel(METHOD)
+    @types.kernel(METHOD)
     def arms(
         # Model:
         first: counts,
@@ -69,7 +69,7 @@ def two_level_kernels(kit: Kit) -> SimpleNamespace:
             i = order[k]
             arm_out[i] = reference[i] + vec64(u[i]) - center
 
-    @kit.kernel(METHOD)
+    @types.kernel(METHOD)
     def spread(
         colour: wp.int32,
         mode: wp.int32,
@@ -93,7 +93,7 @@ def two_level_kernels(kit: Kit) -> SimpleNamespace:
             unit[mode] = real64(1.0)
             x_out[i] = wp.cw_mul(vec64(free[i]), motion(arm[i], unit))
 
-    @kit.kernel(METHOD)
+    @types.kernel(METHOD)
     def restrict(
         on: counts,
         # Model:
@@ -116,7 +116,7 @@ def two_level_kernels(kit: Kit) -> SimpleNamespace:
             total += wrench(arm[i], wp.cw_mul(vec64(free[i]), r[i]))
         wrench_out[part] = total
 
-    @kit.kernel(METHOD)
+    @types.kernel(METHOD)
     def gather(
         on: counts,
         place: wp.int32,
@@ -136,7 +136,7 @@ def two_level_kernels(kit: Kit) -> SimpleNamespace:
             total += parts[k]
         wrench_out[place + a] = total
 
-    @kit.kernel(METHOD)
+    @types.kernel(METHOD)
     def respond(
         on: counts,
         shares: wp.int32,
@@ -188,7 +188,7 @@ def two_level_kernels(kit: Kit) -> SimpleNamespace:
             column += 1
         motion_out[t] = (a + b) + (c + e)
 
-    @kit.kernel(METHOD)
+    @types.kernel(METHOD)
     def collect(on: counts, shares: wp.int32, parts: numbers, motion_out: numbers):
         """The shares of a row together."""
         row = wp.tid()
@@ -199,7 +199,7 @@ def two_level_kernels(kit: Kit) -> SimpleNamespace:
             total += parts[share * motion_out.shape[0] + row]
         motion_out[row] = total
 
-    @kit.kernel(METHOD)
+    @types.kernel(METHOD)
     def prolong(
         on: counts,
         # Model:

@@ -1,0 +1,1 @@
+"""Tests of `warp_mps.elastic.output`."""

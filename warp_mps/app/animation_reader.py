@@ -1,0 +1,158 @@
+"""The animation of a run, read back: what every command that shows results starts from."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from pxr import Sdf, Usd, UsdGeom, UsdPhysics
+
+from warp_mps.errors import InputError
+from warp_mps.usd.animation.colours import to_screen
+from warp_mps.usd.case.opening import open_stage
+
+ANIMATION = "run.usdc"
+# SI units of the quantities that a result may hold; points, velocities and widths are in the stage's units
+UNITS = {"pressure": "Pa", "stress": "Pa", "strain": "1", "von_mises": "Pa", "strain_energy": "J/m^3"}
+
+# frames that stand for all of a run, and particles of them at most
+SAMPLE_FRAMES, SAMPLE = 24, 4_000_000
+# amount of light of what has no colour
+PLAIN = (0.3, 0.3, 0.3)
+
+
+def find_run(folder: Path) -> Path:
+    """The animation in the folder of a run.
+
+    Raises:
+        InputError: There is no such folder, or no run in it.
+    """
+    if not folder.is_dir():
+        raise InputError(str(folder), "", "is no folder; give the folder that `warp-mps run` left, such as runs/CASE")
+    if not (folder / ANIMATION).is_file():
+        raise InputError(str(folder), "", f"holds no run: there is no {ANIMATION} in it")
+    return folder / ANIMATION
+
+
+def refuse_existing(path: Path, overwrite: bool) -> None:
+    """Keep a file that is there already, unless it may be replaced.
+
+    Raises:
+        InputError: The file exists and may not be replaced.
+    """
+    if path.exists() and not overwrite:
+        raise InputError(str(path), "", "exists; use --overwrite to replace it")
+
+
+@dataclass(frozen=True)
+class Cloud:
+    """The particles of one body, wall or fluid; what does not change from frame to frame.
+
+    Attributes:
+        name: Name of the body.
+        role: ``body``, ``wall`` or ``fluid``.
+        ids: Ids, shape [n].
+        widths: Widths [stage units], shape [n].
+        color: Its colour as screens take it, from 0 to 1, shape [3].
+        scalars: Names of the quantities that are one number a particle.
+    """
+
+    name: str
+    role: str
+    ids: np.ndarray
+    widths: np.ndarray
+    color: np.ndarray
+    scalars: tuple[str, ...]
+
+
+class Animation:
+    """The frames of a run.
+
+    Attributes:
+        path: File that was read.
+        clouds: Bodies, walls and fluids, in the order of the file.
+        codes: Time codes of the frames.
+        times: Times of the frames [s], shape [frames].
+        playback_rate: Frames that a player shows in a second [1/s].
+        meters_per_unit: Length of the stage's unit [m].
+        kilograms_per_unit: Mass of the stage's unit [kg].
+        up_axis: ``Y`` or ``Z``.
+        provenance: Where the result comes from.
+
+    Args:
+        folder: Folder of the run.
+
+    Raises:
+        InputError: There is no run in the folder, or its animation cannot be read or has no frames.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self.path = find_run(folder)
+        self._stage = open_stage(self.path)
+        points = [UsdGeom.Points(prim) for prim in self._stage.Traverse() if prim.IsA(UsdGeom.Points)]
+        self.codes = sorted({code for item in points for code in item.GetPointsAttr().GetTimeSamples()})
+        if not self.codes:
+            raise InputError(str(self.path), "", "has no frames")
+        self._points = points
+        self.clouds = tuple(_cloud(item) for item in points)
+        self.times = np.array(self.codes) / self._stage.GetTimeCodesPerSecond()
+        self.playback_rate = float(self._stage.GetFramesPerSecond())
+        self.meters_per_unit = float(UsdGeom.GetStageMetersPerUnit(self._stage))
+        self.kilograms_per_unit = float(UsdPhysics.GetStageKilogramsPerUnit(self._stage))
+        self.up_axis = str(UsdGeom.GetStageUpAxis(self._stage))
+        self.provenance: Mapping[str, Any] = dict(self._stage.GetRootLayer().customLayerData)
+
+    def __len__(self) -> int:
+        """Number of frames."""
+        return len(self.codes)
+
+    def prims(self, stage: Usd.Stage) -> list[UsdGeom.Points]:
+        """The clouds in another stage of the same layout."""
+        return [UsdGeom.Points(stage.GetPrimAtPath(item.GetPath())) for item in self._points]
+
+    def some_frames(self) -> list[int]:
+        """Frames that stand for all, the first and the last among them: so many that they fit the memory."""
+        most = int(np.clip(SAMPLE // max(1, sum(len(cloud.ids) for cloud in self.clouds)), 2, SAMPLE_FRAMES))
+        return [int(frame) for frame in np.unique(np.linspace(0, len(self) - 1, most).astype(int))]
+
+    def points(self, cloud: int, frame: int) -> np.ndarray:
+        """Positions of a cloud [stage units], shape [n, 3]."""
+        return np.array(self._points[cloud].GetPointsAttr().Get(self.codes[frame]), dtype=float).reshape(-1, 3)
+
+    def velocities(self, cloud: int, frame: int) -> np.ndarray:
+        """Velocities of a cloud [stage units/s], shape [n, 3]."""
+        return np.array(self._points[cloud].GetVelocitiesAttr().Get(self.codes[frame]), dtype=float).reshape(-1, 3)
+
+    def scalar(self, cloud: int, frame: int, name: str) -> np.ndarray:
+        """One of the further quantities of a cloud that are one number a particle [SI units], shape [n]."""
+        primvar = UsdGeom.PrimvarsAPI(self._points[cloud]).GetPrimvar(name)
+        return np.array(primvar.Get(self.codes[frame]), dtype=float).reshape(-1)
+
+    def quantities(self, cloud: int, frame: int) -> dict[str, np.ndarray]:
+        """The further quantities of a cloud [SI units], by name, shape [n], [n, 3] or [n, 3, 3]."""
+        values = {}
+        for primvar in UsdGeom.PrimvarsAPI(self._points[cloud]).GetPrimvars():
+            if primvar.GetInterpolation() == UsdGeom.Tokens.vertex:
+                value = primvar.Get(self.codes[frame])
+                if value is not None:
+                    values[str(primvar.GetPrimvarName())] = np.array(value)
+        return values
+
+
+def _cloud(item: UsdGeom.Points) -> Cloud:
+    prim: Usd.Prim = item.GetPrim()
+    colors = item.GetDisplayColorAttr().Get()
+    vertex = [var for var in UsdGeom.PrimvarsAPI(item).GetPrimvars() if var.GetInterpolation() == UsdGeom.Tokens.vertex]
+    return Cloud(
+        name=prim.GetName(),
+        role=str(prim.GetCustomDataByKey("role") or "body"),
+        ids=np.array(item.GetIdsAttr().Get(), dtype=np.int64).reshape(-1),
+        widths=np.array(item.GetWidthsAttr().Get(), dtype=np.float32).reshape(-1),
+        color=to_screen(colors[0] if colors else PLAIN),
+        scalars=tuple(
+            str(var.GetPrimvarName()) for var in vertex if var.GetTypeName() == Sdf.ValueTypeNames.FloatArray
+        ),
+    )

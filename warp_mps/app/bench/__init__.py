@@ -1,0 +1,1 @@
+"""Benchmarks: the speed of solids, fluids and coupled cases."""

@@ -1,0 +1,89 @@
+"""Results in the formats of other programs."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from warp_mps.app.animation_reader import UNITS, Animation, refuse_existing
+from warp_mps.app.convert.vtp import collection, polydata
+from warp_mps.errors import InputError
+from warp_mps.results.atomic_write import write_whole
+
+
+def convert_to_pvd(folder: Path, *, overwrite: bool = False) -> int:
+    """Write a run for ParaView: a ``.vtp`` for each body and frame and ``run.pvd``, which lists them, in `folder`/pvd.
+
+    Points, velocities and widths stay in the stage's units, the other quantities in SI units; the files say so.
+
+    Args:
+        folder: Folder of the run.
+        overwrite: Whether to replace files that are there.
+
+    Raises:
+        InputError: There is no run in the folder, or the files exist, or they cannot be written.
+    """
+    animation = Animation(folder)
+    target = folder / "pvd"
+    refuse_existing(target / "run.pvd", overwrite)
+    try:
+        files = _write(animation, target)
+    except OSError as error:
+        raise InputError(str(target), "", f"cannot be written: {error.strerror}") from error
+    unit = animation.meters_per_unit
+    print(
+        f"{len(files)} files, {len(animation)} frames; open {target / 'run.pvd'} in ParaView. Positions are in the "
+        f"stage's units of {unit:g} m, as in {animation.path.name}; pressures and stresses in Pa."
+    )
+    return 0
+
+
+def _write(animation: Animation, target: Path) -> list[tuple[float, str, str]]:
+    target.mkdir(exist_ok=True)
+    # without the list the folder is no result, so that it goes first and comes last
+    (target / "run.pvd").unlink(missing_ok=True)
+    for cloud in animation.clouds:
+        for old in target.glob(f"{cloud.name}_[0-9]*.vtp"):
+            old.unlink()
+    digits = max(4, len(str(len(animation) - 1)))
+    files = []
+    for frame, time in enumerate(animation.times):
+        for number, cloud in enumerate(animation.clouds):
+            name = f"{cloud.name}_{frame:0{digits}d}.vtp"
+            (target / name).write_text(_text(animation, number, frame), encoding="utf-8")
+            files.append((float(time), cloud.name, name))
+    write_whole(target / "run.pvd", collection(files))
+    return files
+
+
+def _text(animation: Animation, number: int, frame: int) -> str:
+    cloud = animation.clouds[number]
+    quantities = animation.quantities(number, frame)
+    arrays = {
+        "id": cloud.ids,
+        "width": cloud.widths,
+        "velocity": animation.velocities(number, frame).astype(np.float32),
+        **{name: values.astype(np.float32) for name, values in quantities.items()},
+    }
+    facts: dict[str, str | float] = {
+        "TimeValue": float(animation.times[frame]),
+        "metersPerUnit": animation.meters_per_unit,
+        "kilogramsPerUnit": animation.kilograms_per_unit,
+        "upAxis": animation.up_axis,
+        "role": cloud.role,
+        **{name: value if isinstance(value, str) else float(value) for name, value in animation.provenance.items()},
+    }
+    points = animation.points(number, frame).astype(np.float32)
+    return polydata(points, arrays, units=units_of(animation), facts=facts)
+
+
+def units_of(animation: Animation) -> dict[str, str]:
+    """Units of the arrays at the particles, by name."""
+    length = _length_unit(animation.meters_per_unit)
+    return {**UNITS, "width": length, "velocity": f"{length}/s"}
+
+
+def _length_unit(meters: float) -> str:
+    known = {1.0: "m", 0.01: "cm", 0.001: "mm", 1000.0: "km"}
+    return next((name for size, name in known.items() if np.isclose(size, meters, rtol=1e-9)), f"{meters:g} m")

@@ -1,0 +1,1 @@
+"""The multigrid preconditioner of pressure Poisson equations."""

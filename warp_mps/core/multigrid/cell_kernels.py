@@ -1,0 +1,179 @@
+"""Kernels of the multilevel preconditioner between cells: matrices, sweeps, and the way to the next level and back."""
+
+import functools
+from types import SimpleNamespace
+
+import warp as wp
+
+from warp_mps.core.multigrid.grid import DAMPING, METHOD, cell_type, grid_functions
+from warp_mps.core.multigrid.tables import ABOVE, BELOW
+from warp_mps.core.types import NumericTypes
+
+
+@functools.cache
+def cell_kernels(types: NumericTypes) -> SimpleNamespace:
+    """Kernels of one dimension; vectors are always in double precision."""
+    real64, d, ivec = wp.float64, types.dimension, cell_type(types)
+    around, corners, below, above = 3**d, 2**d, BELOW**d, ABOVE**d
+    counts, numbers = wp.array(dtype=wp.int32), wp.array(dtype=wp.float64)
+    grid = grid_functions(types)
+    flat, unflat, corner, slot, close = grid.flat, grid.unflat, grid.corner, grid.slot, grid.close
+    inside, wrapped, nearest = grid.inside, grid.wrapped, grid.nearest
+
+    @types.func(METHOD)
+    def coupled(c: wp.int32, there: counts, coupling: numbers, e: numbers):
+        """Sum over the cells around a cell of coupling e; a coupling across the edge of the grid is 0."""
+        total = real64(0.0)
+        for s in range(c * around, (c + 1) * around):
+            total += coupling[s] * e[there[s]]
+        return total
+
+    @types.kernel(METHOD)
+    def coarsen(
+        # Model:
+        dims: ivec,
+        coarse_dims: ivec,
+        wraps: ivec,
+        # State in:
+        coupling: numbers,
+        excess: numbers,
+        # Out:
+        coupling_out: numbers,
+        excess_out: numbers,
+        diagonal_out: numbers,
+    ):
+        """The matrix between cells twice as wide: couplings count half, as the distance has doubled."""
+        c = wp.tid()
+        here = unflat(c, coarse_dims)
+        for s in range(around):
+            coupling_out[c * around + s] = real64(0.0)
+        total = real64(0.0)
+        for k in range(corners):
+            child = 2 * here + corner(k)
+            if inside(child, dims):
+                f = flat(child, dims)
+                total += excess[f]
+                for s in range(around):
+                    if coupling[f * around + s] > real64(0.0):
+                        rest = s
+                        offset = ivec()
+                        for m in range(d):
+                            offset[m] = rest % 3 - 1
+                            rest = rest // 3
+                        there = wrapped(child + offset, dims, wraps)
+                        for m in range(d):
+                            offset[m] = there[m] // 2 - here[m]
+                        to = slot(nearest(offset, coarse_dims, wraps))
+                        if to != around // 2:
+                            coupling_out[c * around + to] += real64(0.5) * coupling[f * around + s]
+        close(c, total, coupling_out, excess_out, diagonal_out)
+
+    @types.kernel(METHOD)
+    def find_residual(
+        # Model:
+        there: counts,
+        # State in:
+        coupling: numbers,
+        diagonal: numbers,
+        r: numbers,
+        e: numbers,
+        # Out:
+        left_out: numbers,
+    ):
+        """What is left of the residual: r - A e; nothing in cells without an unknown."""
+        c = wp.tid()
+        left = real64(0.0)
+        if diagonal[c] > real64(0.0):
+            left = r[c] - diagonal[c] * e[c] + coupled(c, there, coupling, e)
+        left_out[c] = left
+
+    @types.kernel(METHOD)
+    def collect_cells(
+        # Model:
+        dims: ivec,
+        coarse_dims: ivec,
+        first: ivec,
+        cell: counts,
+        share: numbers,
+        # State in:
+        diagonal: numbers,
+        left: numbers,
+        # Out:
+        r_out: numbers,
+        e_out: numbers,
+    ):
+        """Residual of each coarse cell, by the transpose of the interpolation, and the first sweep on it."""
+        c = wp.tid()
+        total = real64(0.0)
+        e = real64(0.0)
+        if diagonal[c] > real64(0.0):
+            here = unflat(c, coarse_dims)
+            for k in range(below):
+                rest = wp.int32(k)
+                fine = ivec()
+                weight = real64(1.0)
+                for m in range(d):
+                    at = (first[m] + here[m]) * BELOW + rest % BELOW
+                    fine[m] = cell[at]
+                    weight *= share[at]
+                    rest = rest // BELOW
+                if weight > real64(0.0):
+                    total += weight * left[flat(fine, dims)]
+            e = real64(DAMPING) * total / diagonal[c]
+        r_out[c] = total
+        e_out[c] = e
+
+    @types.kernel(METHOD)
+    def interpolate_cells(
+        # Model:
+        dims: ivec,
+        coarse_dims: ivec,
+        first: ivec,
+        cell: counts,
+        share: numbers,
+        # State in:
+        diagonal: numbers,
+        coarse_e: numbers,
+        # Out:
+        e_out: numbers,
+    ):
+        """Add the correction of the coarse cells."""
+        c = wp.tid()
+        if diagonal[c] > real64(0.0):
+            here = unflat(c, dims)
+            total = real64(0.0)
+            for k in range(above):
+                rest = wp.int32(k)
+                coarse = ivec()
+                weight = real64(1.0)
+                for m in range(d):
+                    at = (first[m] + here[m]) * ABOVE + rest % ABOVE
+                    coarse[m] = cell[at]
+                    weight *= share[at]
+                    rest = rest // ABOVE
+                if weight > real64(0.0):
+                    total += weight * coarse_e[flat(coarse, coarse_dims)]
+            e_out[c] += total
+
+    @types.kernel(METHOD)
+    def sweep(
+        # Model:
+        there: counts,
+        # State in:
+        coupling: numbers,
+        diagonal: numbers,
+        r: numbers,
+        e: numbers,
+        # Out:
+        e_out: numbers,
+    ):
+        """A damped Jacobi sweep."""
+        c = wp.tid()
+        if diagonal[c] > real64(0.0):
+            left = r[c] - diagonal[c] * e[c] + coupled(c, there, coupling, e)
+            e_out[c] = e[c] + real64(DAMPING) * left / diagonal[c]
+        else:
+            e_out[c] = real64(0.0)
+
+    made = (coarsen, find_residual, collect_cells, interpolate_cells, sweep)
+    return SimpleNamespace(**{kernel.func.__name__: kernel for kernel in made})

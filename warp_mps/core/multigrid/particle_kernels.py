@@ -1,0 +1,287 @@
+"""Kernels of the multilevel preconditioner between particles and the cells of its first level."""
+
+import functools
+from types import SimpleNamespace
+
+import warp as wp
+
+from warp_mps.core.multigrid.grid import DAMPING, METHOD, cell_type, corner_type, grid_functions
+from warp_mps.core.types import NumericTypes
+
+# Excess of the diagonal, relative to it, that is taken for none: what rounding leaves of a matrix of each precision.
+ROUNDING = {"float64": 1.0e-10, "float32": 2.0e-6}
+
+# Bins that one thread finds the first unknowns of: it looks for the first, and goes on from there.
+WALK = 8
+
+# Cell of a row that is no unknown: far from all others.
+NOWHERE = -1_000_000
+
+
+@functools.cache
+def particle_kernels(types: NumericTypes) -> SimpleNamespace:
+    """Kernels of one dimension and precision of the matrix; vectors are always in double precision."""
+    real, vec, real64, d = types.real, types.vec, wp.float64, types.dimension
+    around, corners = 3**d, 2**d
+    ivec, shares = cell_type(types), corner_type(types)
+    row = wp.types.vector(length=around, dtype=wp.float64)
+    counts, numbers = wp.array(dtype=wp.int32), wp.array(dtype=wp.float64)
+    grid = grid_functions(types)
+    flat, unflat, corner, slot, close = grid.flat, grid.unflat, grid.corner, grid.slot, grid.close
+    inside, wrapped, nearest = grid.inside, grid.wrapped, grid.nearest
+
+    @types.kernel(METHOD)
+    def locate(
+        # Model:
+        low: vec,
+        width: vec,
+        dims: ivec,
+        wraps: ivec,
+        bins: wp.int32,
+        # State in:
+        inverse: numbers,
+        positions: wp.array(dtype=vec),
+        # Out:
+        bin_out: counts,
+        order_out: counts,
+        between_out: counts,
+        cell_out: wp.array(dtype=ivec),
+        weight_out: wp.array(dtype=shares),
+    ):
+        """The bin (half a cell wide) and the cell of each unknown, and its weights in the cells around it.
+
+        These are the 2^d whose centres it lies between. Such boxes between centres have a number of their own.
+        """
+        i = wp.tid()
+        order_out[i] = i
+        if inverse[i] == real64(0.0):
+            bin_out[i] = bins
+            between_out[i] = 0
+            cell_out[i] = ivec(NOWHERE)
+            weight_out[i] = shares()
+            return
+        half = ivec()
+        cell = ivec()
+        above = ivec()
+        upper = vec()
+        for m in range(d):
+            y = (positions[i][m] - low[m]) / width[m]
+            if wraps[m] == 1:
+                y -= real(dims[m]) * wp.floor(y / real(dims[m]))
+            # beyond the grid: in the cell at its edge
+            y = wp.clamp(y, real(0.0), real(dims[m]))
+            half[m] = wp.clamp(wp.int32(real(2.0) * y), 0, 2 * dims[m] - 1)
+            cell[m] = half[m] // 2
+            above[m] = (half[m] + 1) // 2
+            upper[m] = wp.clamp(y + real(0.5) - real(above[m]), real(0.0), real(1.0))
+            if wraps[m] == 1:
+                above[m] = above[m] % dims[m]
+            elif above[m] == 0:
+                upper[m] = real(1.0)
+            elif above[m] == dims[m]:
+                upper[m] = real(0.0)
+        weight = shares()
+        for k in range(corners):
+            at = corner(k)
+            product = real64(1.0)
+            for m in range(d):
+                if at[m] == 1:
+                    product *= real64(upper[m])
+                else:
+                    product *= real64(1.0) - real64(upper[m])
+            weight[k] = product
+        bin_out[i] = flat(half, 2 * dims)
+        between_out[i] = flat(above, dims + ivec(1) - wraps)
+        cell_out[i] = cell
+        weight_out[i] = weight
+
+    @types.kernel(METHOD)
+    def find_starts(n: wp.int32, bins: wp.int32, bin: counts, start_out: counts):
+        """First of the sorted unknowns in each of a few bins, or in a later one where it is empty."""
+        first = WALK * wp.tid()
+        low = wp.int32(0)
+        high = n
+        # not `wp.lower_bound`, which gives n - 1 where all are smaller
+        while low < high:
+            middle = (low + high) // 2
+            if bin[middle] < first:
+                low = middle + 1
+            else:
+                high = middle
+        for b in range(first, wp.min(first + WALK, bins + 1)):
+            while low < n and bin[low] < b:
+                low += 1
+            start_out[b] = low
+
+    @types.kernel(METHOD)
+    def gather(
+        # Model:
+        dims: ivec,
+        wraps: ivec,
+        scale: wp.float64,
+        # Matrix:
+        first: counts,
+        count: counts,
+        index: counts,
+        value: wp.array(dtype=real),
+        diagonal: wp.array(dtype=real),
+        # State in:
+        start: counts,
+        order: counts,
+        cell: wp.array(dtype=ivec),
+        # Out:
+        share_out: numbers,
+        coupling_out: numbers,
+        excess_out: numbers,
+        diagonal_out: numbers,
+    ):
+        """The matrix between cells, the sums of all entries between their unknowns, scaled; and shares of couplings.
+
+        The share is that which a row's couplings to other unknowns have in its diagonal, and of its excess counts what
+        is left when the unknown is eliminated: the share of it.
+        """
+        c = wp.tid()
+        here = unflat(c, dims)
+        sums = row()
+        total = real64(0.0)
+        excess = real64(0.0)
+        for k in range(corners):
+            bin = flat(2 * here + corner(k), 2 * dims)
+            for place in range(start[bin], start[bin + 1]):
+                i = order[place]
+                row_total = real64(diagonal[i])
+                coupled = real64(0.0)
+                for entry in range(first[i], first[i] + count[i]):
+                    there = cell[index[entry]]
+                    if there[0] >= 0:
+                        v = real64(value[entry])
+                        coupled += v
+                        to = slot(there - here)
+                        if to < 0:
+                            to = slot(nearest(there - here, dims, wraps))
+                        if to >= 0:
+                            sums[to] += v
+                share = wp.clamp(coupled / row_total, real64(0.0), real64(1.0))
+                share_out[i] = share
+                total += row_total
+                excess += share * (row_total - coupled)
+        for s in range(around):
+            # a preconditioner has to be positive, whatever the matrix
+            coupling_out[c * around + s] = wp.max(scale * sums[s], real64(0.0))
+        coupling_out[c * around + around // 2] = real64(0.0)
+        if excess < real64(wp.static(ROUNDING[types.precision])) * total:
+            # the cells of a singular matrix must be singular, too: their constant part is divided by the excess
+            excess = real64(0.0)
+        excess *= wp.min(real64(1.0), real64(2.0) * scale)
+        close(c, excess, coupling_out, excess_out, diagonal_out)
+
+    @types.kernel(METHOD)
+    def weigh_again(
+        # State in:
+        inverse: numbers,
+        between: counts,
+        share: numbers,
+        corner_diagonal: wp.array(dtype=shares),
+        # Out:
+        weight_out: wp.array(dtype=shares),
+    ):
+        """Leave cells without an unknown out of the interpolation, so that constants remain constant beside them.
+
+        Otherwise a domain that the cells do not divide evenly takes half as many iterations again. And let a row have
+        no more than its share of them, as a Jacobi sweep does: one of the free surface hardly follows those below.
+        """
+        i = wp.tid()
+        if inverse[i] == real64(0.0):
+            return
+        weight = weight_out[i]
+        there = corner_diagonal[between[i]]
+        total = real64(0.0)
+        for k in range(corners):
+            if there[k] <= real64(0.0):
+                weight[k] = real64(0.0)
+            total += weight[k]
+        if total > real64(0.0):
+            weight /= total
+        weight_out[i] = share[i] * weight
+
+    @types.kernel(METHOD)
+    def collect_particles(
+        # Model:
+        dims: ivec,
+        wraps: ivec,
+        # State in:
+        start: counts,
+        order: counts,
+        weight: wp.array(dtype=shares),
+        r: numbers,
+        # Out:
+        corner_out: wp.array(dtype=shares),
+    ):
+        """Residuals of the unknowns between the same 2^d cell centres, weighted for each of these cells."""
+        t = wp.tid()
+        above = unflat(t, dims + ivec(1) - wraps)
+        total = shares()
+        for k in range(corners):
+            half = wrapped(2 * above - ivec(1) + corner(k), 2 * dims, wraps)
+            if inside(half, 2 * dims):
+                bin = flat(half, 2 * dims)
+                for place in range(start[bin], start[bin + 1]):
+                    i = order[place]
+                    total += r[i] * weight[i]
+        corner_out[t] = total
+
+    @types.kernel(METHOD)
+    def collect_corners(
+        # Model:
+        dims: ivec,
+        wraps: ivec,
+        # State in:
+        diagonal: numbers,
+        corner_sums: wp.array(dtype=shares),
+        # Out:
+        r_out: numbers,
+        e_out: numbers,
+    ):
+        """Residual of each cell, and the first sweep on it."""
+        c = wp.tid()
+        here = unflat(c, dims)
+        total = real64(0.0)
+        boxes = dims + ivec(1) - wraps
+        for k in range(corners):
+            total += corner_sums[flat(wrapped(here + ivec(1) - corner(k), boxes, wraps), boxes)][k]
+        r_out[c] = total
+        e = real64(0.0)
+        if diagonal[c] > real64(0.0):
+            e = real64(DAMPING) * total / diagonal[c]
+        e_out[c] = e
+
+    @types.kernel(METHOD)
+    def spread(dims: ivec, wraps: ivec, e: numbers, corner_out: wp.array(dtype=shares)):
+        """Values of the 2^d cells around each box between centres; a cell beyond the edge has weight 0."""
+        t = wp.tid()
+        above = unflat(t, dims + ivec(1) - wraps)
+        values = shares()
+        for k in range(corners):
+            cell = wrapped(above - ivec(1) + corner(k), dims, wraps)
+            for m in range(d):
+                cell[m] = wp.clamp(cell[m], 0, dims[m] - 1)
+            values[k] = e[flat(cell, dims)]
+        corner_out[t] = values
+
+    @types.kernel(METHOD)
+    def interpolate_particles(
+        # State in:
+        inverse: numbers,
+        between: counts,
+        weight: wp.array(dtype=shares),
+        corner_e: wp.array(dtype=shares),
+        # Out:
+        z_out: numbers,
+    ):
+        """Add the correction of the cells to the unknowns."""
+        i = wp.tid()
+        if inverse[i] != real64(0.0):
+            z_out[i] += wp.dot(weight[i], corner_e[between[i]])
+
+    made = (locate, find_starts, gather, weigh_again, collect_particles, collect_corners, spread, interpolate_particles)
+    return SimpleNamespace(**{kernel.func.__name__: kernel for kernel in made})

@@ -1,0 +1,1 @@
+"""Boundary conditions of elastic bodies: supports and loads."""

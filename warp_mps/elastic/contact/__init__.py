@@ -1,0 +1,1 @@
+"""Contact and friction between bodies and walls."""

@@ -1,0 +1,217 @@
+"""Coulomb friction of faces, by central forces: it keeps angular momentum, and what turns as a whole does not rub.
+
+A particle i that another body B crowds has the pressing force N_iB = |g_iB grad q_iB| of its own potential, along the
+normal n of grad q_iB (`warp_mps.elastic.contact.kernels`). With omega_ij = W_ij / sum_j W_ij, y_ij = x_i - x_j, its
+part s_ij in the tangent plane, their mean and their covariance C over omega, friction is the pair force
+
+    f_ij = omega_ij a . (s_ij - mean) y_ij,   a = C^-1 t,   whose sum over j is t, up to what of it lies along n
+
+Forces along y_ij make no moment: the couple of a friction between two layers of particles, a spacing apart, is taken up
+by their pressure. What does work on t is the slip
+
+    slip' = C^-1 sum_j omega_ij (s_ij - mean) (y_ij . y'_ij)
+
+the sliding velocity where a face slides, and nothing in any common rotation. The faces stick by a spring, t = -k slip,
+as stiff as the contact where it is pressed, k = c_iB min(E_i, E_B) (S_iB/l)^2; where that exceeds mu N_iB, they slide
+and the spring keeps what mu N_iB holds (Cundall and Strack). So what sticks does not creep, but gives by at most mu
+times the depth to which the contact is pressed. A contact of single points has no spread C, and no friction.
+
+References:
+    Cundall, P. A. and Strack, O. D. L., Geotechnique 29 (1979) 47.
+"""
+
+import functools
+from types import SimpleNamespace
+
+import warp as wp
+
+from warp_mps.core.types import NumericTypes
+from warp_mps.elastic.contact.kernels import contact_funcs
+
+METHOD = "elastic"
+# variance of the tangential distances that friction needs, in squares of half of the support; a lattice has 0.2
+SPREAD = 0.1
+
+
+@functools.cache
+def friction_kernels(types: NumericTypes) -> SimpleNamespace:
+    """Kernels `grip`, `rub` and `add`."""
+    real, vec, mat = types.real, types.vec, types.mat
+    funcs = contact_funcs(types)
+    pair_support, weight, steepness = funcs.pair_support, funcs.weight, funcs.steepness
+
+    @types.func(METHOD)
+    def least_variance(c: mat, n: vec) -> real:
+        """The smallest variance of C in the tangent plane."""
+        half = real(0.5) * wp.trace(c)
+        if wp.static(types.dimension == 2):
+            return wp.trace(c)
+        return half - wp.sqrt(wp.max(half * half - wp.determinant(c + wp.outer(n, n)), real(0.0)))
+
+    @types.kernel(METHOD)
+    def grip(
+        # Model:
+        together: wp.int32,
+        reference: wp.array(dtype=vec),
+        spacing: wp.array(dtype=real),
+        group: wp.array(dtype=wp.int32),
+        stiffness: wp.array(dtype=real),
+        softest: wp.array(dtype=real),
+        hold: wp.array(dtype=real, ndim=2),
+        friction: wp.array(dtype=real, ndim=2),
+        start: wp.array(dtype=wp.int32),
+        listed: wp.array(dtype=wp.int32),
+        faces: wp.array(dtype=wp.int32),
+        facing: wp.array(dtype=wp.int32, ndim=2),
+        end: wp.array(dtype=wp.int32, ndim=2),
+        # State in:
+        u: wp.array(dtype=vec),
+        u_before: wp.array(dtype=vec),
+        push: wp.array(dtype=real, ndim=2),
+        # State in and out:
+        gripped: wp.array(dtype=wp.int32, ndim=2),
+        slip: wp.array(dtype=vec, ndim=2),
+        # State out:
+        pull_out: wp.array(dtype=vec, ndim=2),
+        mean_out: wp.array(dtype=real, ndim=2),
+        stored_out: wp.array(dtype=real),
+    ):
+        """Pull and mean, a and a . mean over sum_j W, of every face, and its slip.
+
+        `gripped` is the group + 1 that a slip belongs to, 0 for none: it outlives the list of candidates.
+        """
+        for i in range(wp.tid() * together, wp.min((wp.tid() + 1) * together, start.shape[0] - 1)):
+            stored = real(0.0)
+            k = start[i]
+            for s in range(faces[i]):
+                other = facing[i, s]
+                first = k
+                k = end[i, s]
+                place = wp.int32(-1)
+                for t in range(gripped.shape[1]):
+                    if gripped[i, t] == other + 1:
+                        place = t
+                pull_out[i, s] = vec()
+                mean_out[i, s] = real(0.0)
+                limit = friction[group[i], other] * push[i, s]
+                if limit > real(0.0):
+                    # the normal, and the pressing force
+                    normal = vec()
+                    for m in range(first, k):
+                        j = listed[m]
+                        support = pair_support(spacing[i], spacing[j])
+                        y = reference[i] - reference[j] + (u[i] - u[j])
+                        normal += (steepness(wp.length(y) / support) / (support * support)) * y
+                    size = wp.length(normal)
+                    limit = limit * size
+                    normal = normal / wp.max(size, real(1.0e-30))
+                    # sums over the tangential distances, in units of half the support
+                    total = real(0.0)
+                    work = real(0.0)
+                    mean = vec()
+                    moved = vec()
+                    spread = mat()
+                    unit = real(1.0)
+                    for m in range(first, k):
+                        j = listed[m]
+                        unit = real(0.5) * pair_support(spacing[i], spacing[j])
+                        y = (reference[i] - reference[j] + (u[i] - u[j])) / unit
+                        w = weight(real(0.5) * wp.length(y))
+                        step = ((u[i] - u_before[i]) - (u[j] - u_before[j])) / unit
+                        tangential = y - wp.dot(y, normal) * normal
+                        # y . dy in the middle of the step: nothing in a rotation, however large
+                        gone = w * wp.dot(y - real(0.5) * step, step)
+                        total += w
+                        work += gone
+                        mean += w * tangential
+                        moved += gone * tangential
+                        spread += w * wp.outer(tangential, tangential)
+                    mean = mean / total
+                    moved = (moved - work * mean) / total
+                    spread = spread / total - wp.outer(mean, mean)
+                    short = wp.max(real(wp.static(SPREAD)) - least_variance(spread, normal), real(0.0))
+                    inverse = wp.inverse(
+                        spread
+                        + wp.outer(normal, normal)
+                        + short * wp.identity(n=wp.static(types.dimension), dtype=real)
+                    )
+                    x = unit * (inverse * moved)
+                    if place >= 0:
+                        x += slip[i, place]
+                    x -= wp.dot(x, normal) * normal
+                    spring = hold[group[i], other] * wp.min(stiffness[i], softest[other])
+                    far = spring * wp.length(x)
+                    if far > limit:
+                        x = (limit / far) * x
+                    a = (-spring / (total * unit)) * (inverse * x)
+                    pull_out[i, s] = a / unit
+                    mean_out[i, s] = wp.dot(a, mean)
+                    stored += real(0.5) * spring * wp.dot(x, x)
+                    for t in range(gripped.shape[1]):
+                        if place < 0 and gripped[i, t] == 0:
+                            place = t
+                    gripped[i, place] = other + 1
+                    slip[i, place] = x
+                elif place >= 0:
+                    gripped[i, place] = 0
+            stored_out[i] = stored
+
+    @types.kernel(METHOD)
+    def rub(
+        # Model:
+        together: wp.int32,
+        reference: wp.array(dtype=vec),
+        spacing: wp.array(dtype=real),
+        group: wp.array(dtype=wp.int32),
+        start: wp.array(dtype=wp.int32),
+        listed: wp.array(dtype=wp.int32),
+        faces: wp.array(dtype=wp.int32),
+        facing: wp.array(dtype=wp.int32, ndim=2),
+        end: wp.array(dtype=wp.int32, ndim=2),
+        # State in:
+        u: wp.array(dtype=vec),
+        pull: wp.array(dtype=vec, ndim=2),
+        mean: wp.array(dtype=real, ndim=2),
+        stored: wp.array(dtype=real),
+        # State in and out:
+        u_before: wp.array(dtype=vec),
+        stored_before: wp.array(dtype=real),
+        rubbed: wp.array(dtype=vec),
+        contact: wp.array(dtype=vec),
+        force: wp.array(dtype=vec),
+        dissipated: wp.array(dtype=wp.float64),
+    ):
+        """Add friction to the contact forces, and account for what it takes out: its work that no spring has stored.
+
+        The work is the mean of the forces at the ends of a step's move times the move, as velocity Verlet does it.
+        """
+        for i in range(wp.tid() * together, wp.min((wp.tid() + 1) * together, start.shape[0] - 1)):
+            total = vec()
+            k = start[i]
+            for s in range(faces[i]):
+                for m in range(k, end[i, s]):
+                    j = listed[m]
+                    if stored[i] > real(0.0) or stored[j] > real(0.0):
+                        y = reference[i] - reference[j] + (u[i] - u[j])
+                        factor = wp.dot(pull[i, s], y) - mean[i, s]
+                        for t in range(faces[j]):
+                            if facing[j, t] == group[i]:
+                                factor -= wp.dot(pull[j, t], y) + mean[j, t]
+                        total += (weight(wp.length(y) / pair_support(spacing[i], spacing[j])) * factor) * y
+                k = end[i, s]
+            work = wp.float64(wp.dot(rubbed[i] + total, u[i] - u_before[i]))
+            kept = wp.float64(stored[i]) - wp.float64(stored_before[i])
+            dissipated[i] = dissipated[i] - wp.float64(0.5) * work - kept
+            u_before[i] = u[i]
+            stored_before[i] = stored[i]
+            rubbed[i] = total
+            contact[i] = contact[i] + total
+            force[i] = force[i] + total
+
+    @types.kernel(METHOD)
+    def add(stored: wp.array(dtype=real), energy: wp.array(dtype=real)):
+        """Add what the springs of sticking faces hold."""
+        i = wp.tid()
+        energy[i] = energy[i] + stored[i]
+
+    return SimpleNamespace(grip=grip, rub=rub, add=add)

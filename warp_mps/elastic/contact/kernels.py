@@ -1,0 +1,147 @@
+"""Contact: bodies touch at their faces, however the lattices that their particles lie on meet.
+
+What repels is not a pair of particles but the crowding q_iB of a particle i by another body B, a sum over all of B's
+particles within two spacings (`warp_mps.elastic.contact.law`). Where it exceeds 1, what a flat face does at touch, it
+stores V_iB = 1/2 k_iB (q_iB - 1)^2. With g_iB = dV_iB/dq_iB and A the body of i, the exact gradient is a pair force,
+
+    f_ij = -(g_iB w_iB + g_jA w_jA) W'(|x_ij| / s) / s  (x_i - x_j) / |x_ij|
+
+central, equal and opposite: momentum, angular momentum and energy are kept. "Body" is a group of bonded bodies here, or
+a wall; self-contact is that of a group with itself, without its reference neighbours and what else was closer than two
+and a half spacings in the reference configuration.
+
+A step sums twice over the candidates: the crowding, then the forces.
+"""
+
+import functools
+from types import SimpleNamespace
+
+import warp as wp
+
+from warp_mps.core.types import NumericTypes
+from warp_mps.elastic.contact.law import SUPPORT
+
+METHOD = "elastic"
+# particles that one thread of a device goes through: on a CPU most have no candidates, and a loop is faster than a call
+TOGETHER = {"cpu": 64, "cuda": 1}
+
+
+@functools.cache
+def contact_funcs(types: NumericTypes) -> SimpleNamespace:
+    """Device functions `pair_support`, `weight` and `steepness` of the law."""
+    real = types.real
+
+    @types.func(METHOD)
+    def pair_support(a: real, b: real) -> real:
+        """Distance at which particles of two spacings cease to see each other."""
+        return real(wp.static(SUPPORT)) * wp.max(a, b)
+
+    @types.func(METHOD)
+    def weight(s: real) -> real:
+        """Wendland's W(s), for s >= 0."""
+        t = wp.max(real(1.0) - s, real(0.0))
+        return t * t * t * t * (real(1.0) + real(4.0) * s)
+
+    @types.func(METHOD)
+    def steepness(s: real) -> real:
+        """-W'(s) / s, for s >= 0: finite at 0."""
+        t = wp.max(real(1.0) - s, real(0.0))
+        return real(20.0) * t * t * t
+
+    return SimpleNamespace(pair_support=pair_support, weight=weight, steepness=steepness)
+
+
+@functools.cache
+def contact_kernels(types: NumericTypes) -> SimpleNamespace:
+    """Kernels `crowding` and `force`."""
+    real, vec = types.real, types.vec
+    funcs = contact_funcs(types)
+    pair_support, weight, steepness = funcs.pair_support, funcs.weight, funcs.steepness
+
+    @types.kernel(METHOD)
+    def crowding(
+        # Model:
+        together: wp.int32,
+        reference: wp.array(dtype=vec),
+        spacing: wp.array(dtype=real),
+        group: wp.array(dtype=wp.int32),
+        stiffness: wp.array(dtype=real),
+        softest: wp.array(dtype=real),
+        weights: wp.array(dtype=real, ndim=2),
+        scales: wp.array(dtype=real, ndim=2),
+        start: wp.array(dtype=wp.int32),
+        listed: wp.array(dtype=wp.int32),
+        faces: wp.array(dtype=wp.int32),
+        facing: wp.array(dtype=wp.int32, ndim=2),
+        end: wp.array(dtype=wp.int32, ndim=2),
+        # State in:
+        u: wp.array(dtype=vec),
+        # Out:
+        push_out: wp.array(dtype=real, ndim=2),
+        energy_out: wp.array(dtype=real),
+    ):
+        """g_iB w_iB of every group B that a particle faces, and the energy that its crowding stores."""
+        for i in range(wp.tid() * together, wp.min((wp.tid() + 1) * together, start.shape[0] - 1)):
+            k = start[i]
+            total = real(0.0)
+            for s in range(faces[i]):
+                other = facing[i, s]
+                q = real(0.0)
+                for m in range(k, end[i, s]):
+                    j = listed[m]
+                    r = wp.length(reference[j] - reference[i] + (u[j] - u[i]))
+                    q += weight(r / pair_support(spacing[i], spacing[j]))
+                k = end[i, s]
+                w = weights[group[i], other]
+                beyond = wp.max(w * q - real(1.0), real(0.0))
+                g = real(0.0)
+                if beyond > real(0.0):
+                    g = scales[group[i], other] * wp.min(stiffness[i], softest[other]) * beyond
+                push_out[i, s] = g * w
+                total += real(0.5) * g * beyond
+            energy_out[i] = total
+
+    @types.kernel(METHOD)
+    def force(
+        # Model:
+        together: wp.int32,
+        reference: wp.array(dtype=vec),
+        spacing: wp.array(dtype=real),
+        group: wp.array(dtype=wp.int32),
+        start: wp.array(dtype=wp.int32),
+        listed: wp.array(dtype=wp.int32),
+        faces: wp.array(dtype=wp.int32),
+        facing: wp.array(dtype=wp.int32, ndim=2),
+        end: wp.array(dtype=wp.int32, ndim=2),
+        # State in:
+        u: wp.array(dtype=vec),
+        push: wp.array(dtype=real, ndim=2),
+        stored: wp.array(dtype=real),
+        # State out:
+        contact_out: wp.array(dtype=vec),
+        force_out: wp.array(dtype=vec),
+    ):
+        """Sum of the pair forces on a particle, also added to the other forces on it."""
+        for i in range(wp.tid() * together, wp.min((wp.tid() + 1) * together, start.shape[0] - 1)):
+            n = faces[i]
+            total = vec()
+            k = start[i]
+            for s in range(n):
+                for m in range(k, end[i, s]):
+                    j = listed[m]
+                    both = push[i, s]
+                    # most candidates store nothing
+                    if stored[j] > real(0.0):
+                        for t in range(faces[j]):
+                            if facing[j, t] == group[i]:
+                                both += push[j, t]
+                    if both > real(0.0):
+                        support = pair_support(spacing[i], spacing[j])
+                        x = reference[j] - reference[i] + (u[j] - u[i])
+                        total -= (both * steepness(wp.length(x) / support) / (support * support)) * x
+                k = end[i, s]
+            contact_out[i] = total
+            if n > 0:
+                force_out[i] = force_out[i] + total
+
+    return SimpleNamespace(crowding=crowding, force=force)

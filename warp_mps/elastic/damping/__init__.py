@@ -1,0 +1,1 @@
+"""Kelvin-Voigt damping of elastic bodies."""

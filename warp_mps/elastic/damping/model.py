@@ -1,0 +1,74 @@
+"""Kelvin-Voigt damping on a given set of particles: its constants, and the launches that use them."""
+
+from typing import Any
+
+import numpy as np
+import warp as wp
+
+from warp_mps.core.types import NumericTypes
+from warp_mps.elastic.damping.kernels import viscous_kernels
+from warp_mps.elastic.hamiltonian.model import HamiltonianModel
+from warp_mps.elastic.materials.constants import lame_constants
+from warp_mps.elastic.model import ElasticModel
+from warp_mps.elastic.state import ElasticState
+from warp_mps.particles.filling import Particles
+from warp_mps.scene import Scene
+
+
+class Viscosity:
+    """Kelvin-Voigt damping of the particles of a Hamiltonian model.
+
+    Attributes:
+        force: Viscous force at the last evaluation [N], vec [n].
+    """
+
+    def __init__(
+        self, scene: Scene, particles: Particles, model: HamiltonianModel, *, types: NumericTypes, device: Any
+    ) -> None:
+        self._kernels, self._device, self._model = viscous_kernels(types), device, model
+        # the linear law's for every law: small strain is what they have in common
+        constants = [lame_constants(material, particles.dimension, scene.plane) for material in scene.materials]
+        times = np.array([material.retardation_time for material in scene.materials])[particles.materials]
+        lame, mu = times * np.array(constants)[particles.materials].T
+        self._tau_lame, self._tau_mu = (wp.array(values, dtype=types.real, device=device) for values in (lame, mu))
+        self._tau_kappa = wp.array(times * model.kappa.numpy(), dtype=types.real, device=device)
+        self._matrices = [wp.zeros(particles.count, dtype=types.mat, device=device) for _ in range(3)]
+        self._u_before = wp.zeros(particles.count, dtype=types.vec, device=device)
+        self.force = wp.zeros(particles.count, dtype=types.vec, device=device)
+
+    def launch_stress(self, state: ElasticState, dt: float, first: int, count: int) -> None:
+        """Viscous stresses, after the elastic ones; `dt` is 0 before the first step, when nothing has moved yet."""
+        model = self._model
+        constants = [*model.operators(), self._tau_lame, self._tau_mu, self._tau_kappa]
+        inputs = [first, dt, *constants, model.gradient, state.u, state.v]
+        wp.launch(self._kernels.viscous_stress, count, inputs, self._matrices, device=self._device)
+
+    def launch_force(self, state: ElasticState, first: int, count: int) -> None:
+        """Add the viscous forces to those of the model, and to what is dissipated what they take out in a step."""
+        inputs = [first, *self._model.operators()[:4], state.u, state.v, *self._matrices]
+        outputs = [self._u_before, self.force, state.force, state.dissipated]
+        wp.launch(self._kernels.viscous_force, count, inputs, outputs, device=self._device)
+
+    def evolving(self) -> list[wp.array]:
+        """Device arrays of what evolves."""
+        return [self.force, self._u_before]
+
+    def arrays(self) -> dict[str, np.ndarray]:
+        """Host copies of what evolves, by name."""
+        return {"viscous": self.force.numpy().copy()}
+
+    def assign(self, arrays: dict[str, np.ndarray]) -> None:
+        """Take over arrays that `arrays` gave."""
+        self.force.assign(arrays["viscous"])
+        # forces are evaluated where a step ends: these are the displacements of the last one
+        self._u_before.assign(arrays["u"][: len(self._u_before)])
+
+
+def make_viscosity(
+    scene: Scene, particles: Particles, model: ElasticModel, *, types: NumericTypes, device: Any
+) -> Viscosity | None:
+    """The damping of a scene's materials, None where they have none."""
+    if not any(material.retardation_time for material in scene.materials):
+        return None
+    assert isinstance(model, HamiltonianModel)
+    return Viscosity(scene, particles, model, types=types, device=device)

@@ -1,0 +1,125 @@
+"""The clockwork of a step: velocity Verlet in kick-drift-kick form, with gravity and damping.
+
+    v += dt/2 f/m,   u += dt v,   forces,   v += dt/2 f/m
+
+The state is the displacement u = x - X, so that a strain of 1e-5 keeps its digits. A held axis has no inverse mass; a
+moving support then places its particles.
+"""
+
+import functools
+from types import SimpleNamespace
+
+import warp as wp
+
+from warp_mps.core.types import NumericTypes
+
+METHOD = "elastic"
+
+
+@functools.cache
+def motion_kernels(types: NumericTypes) -> SimpleNamespace:
+    """Kernels `drift`, `kick`, `damp`, `retard`, `add` and `tick`."""
+    real, vec = types.real, types.vec
+
+    @types.kernel(METHOD)
+    def drift(
+        # Model:
+        first: wp.int32,
+        dt: real,
+        inverse_mass: wp.array(dtype=vec),
+        force: wp.array(dtype=vec),
+        # State in and out:
+        u: wp.array(dtype=vec),
+        v: wp.array(dtype=vec),
+    ):
+        """Half a kick with the forces of the last step, then the whole move."""
+        i = first + wp.tid()
+        v_i = v[i] + real(0.5) * dt * wp.cw_mul(inverse_mass[i], force[i])
+        v[i] = v_i
+        u[i] = u[i] + dt * v_i
+
+    @types.kernel(METHOD)
+    def kick(
+        # Model:
+        first: wp.int32,
+        dt: real,
+        gravity: vec,
+        mass: wp.array(dtype=real),
+        inverse_mass: wp.array(dtype=vec),
+        # State in and out:
+        force: wp.array(dtype=vec),
+        v: wp.array(dtype=vec),
+    ):
+        """Add the weight, which completes the force, then the second half of the kick."""
+        i = first + wp.tid()
+        force_i = force[i] + mass[i] * gravity
+        force[i] = force_i
+        v[i] = v[i] + real(0.5) * dt * wp.cw_mul(inverse_mass[i], force_i)
+
+    @types.kernel(METHOD)
+    def damp(
+        # Model:
+        factor: wp.float64,
+        mass: wp.array(dtype=real),
+        inverse_mass: wp.array(dtype=vec),
+        # State in and out:
+        v: wp.array(dtype=vec),
+        dissipated: wp.array(dtype=wp.float64),
+    ):
+        """Mass-proportional damping over half a step, exact: v *= exp(-damping dt/2); driven axes keep theirs."""
+        i = wp.tid()
+        v_i = v[i]
+        loss = wp.float64(0.0)
+        for axis in range(wp.static(types.dimension)):
+            if inverse_mass[i][axis] > real(0.0):
+                before = wp.float64(v_i[axis])
+                v_i[axis] = real(factor * before)
+                after = wp.float64(v_i[axis])
+                loss += wp.float64(0.5) * wp.float64(mass[i]) * (before - after) * (before + after)
+        v[i] = v_i
+        dissipated[i] = dissipated[i] + loss
+
+    @types.kernel(METHOD)
+    def retard(
+        # Model:
+        first: wp.int32,
+        dt: real,
+        factor: real,
+        # State in:
+        v: wp.array(dtype=vec),
+        # State in and out:
+        elastic_before: wp.array(dtype=vec),
+        viscous_before: wp.array(dtype=vec),
+        force: wp.array(dtype=vec),
+        dissipated: wp.array(dtype=wp.float64),
+    ):
+        """Add a viscous force: `factor` times the last change of the elastic one, that of its stiffness.
+
+        What it takes out in a step is the work of its mean over the step, as the kicks at both ends use it.
+        """
+        i = first + wp.tid()
+        elastic = force[i]
+        viscous = factor * (elastic - elastic_before[i])
+        loss = real(0.5) * dt * wp.dot(viscous_before[i] + viscous, v[i])
+        elastic_before[i] = elastic
+        viscous_before[i] = viscous
+        force[i] = elastic + viscous
+        dissipated[i] = dissipated[i] - wp.float64(loss)
+
+    @types.kernel(METHOD)
+    def add(
+        # State in:
+        external: wp.array(dtype=vec),
+        # State in and out:
+        force: wp.array(dtype=vec),
+    ):
+        """Add forces from outside."""
+        i = wp.tid()
+        force[i] = force[i] + external[i]
+
+    @types.kernel(METHOD)
+    def tick(steps: wp.array(dtype=wp.int32)):
+        """Count a step. Times are multiples of dt, so that they do not drift."""
+        steps[0] = steps[0] + 1
+
+    return SimpleNamespace(drift=drift, kick=kick, damp=damp, retard=retard, add=add, tick=tick)

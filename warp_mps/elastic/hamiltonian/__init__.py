@@ -1,0 +1,1 @@
+"""The Hamiltonian MPS model of elasticity."""

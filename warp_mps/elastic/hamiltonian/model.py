@@ -1,0 +1,150 @@
+"""The constants of the Hamiltonian model for a given set of particles, and the launches that use them."""
+
+from typing import Any
+
+import numpy as np
+import warp as wp
+
+from warp_mps.core.neighbours import reference_neighbours
+from warp_mps.core.rotation import rotation_vectors
+from warp_mps.core.types import NumericTypes
+from warp_mps.elastic.hamiltonian.kernels import hamiltonian_kernels
+from warp_mps.elastic.materials.constants import law_constants
+from warp_mps.elastic.model import Pass
+from warp_mps.elastic.output.stresses import StressFields, stress_fields, stress_kernels
+from warp_mps.elastic.state import ElasticState
+from warp_mps.errors import InputError
+from warp_mps.particles.filling import Particles
+from warp_mps.scene import LAWS, Scene
+from warp_mps.scene.validation.scene import place
+
+# det(d A_i / n_i) of a particle is 1 inside a lattice, about 0.4 in a corner, and 0 in a row of particles
+FLAT = 1e-6
+
+
+class HamiltonianModel:
+    """Hamiltonian MPS on a set of particles.
+
+    Attributes:
+        spins: None: particles have no rotation of their own.
+        start: First pair of each particle, shape [n + 1].
+        index: Neighbour of each pair.
+        bond: Reference vector X_ij of each pair [m], shape [pairs, d].
+        weight: Weight omega_ij of each pair [1/m^2].
+        kappa: Stiffness of the control of zero-energy modes [N m], shape [n].
+        gradient: Displacement gradient H_i [-], shape [n, d, d].
+        pull: B_i [N m], shape [n, d, d].
+    """
+
+    spins = None
+
+    def __init__(self, scene: Scene, particles: Particles, *, types: NumericTypes, device: Any) -> None:
+        self._kernels, self._kit, self._device = hamiltonian_kernels(types), types, device
+        n, d = particles.count, particles.dimension
+        reach = scene.elasticity.effective_radius * particles.spacings
+        self.start, self.index = reference_neighbours(particles.positions, particles.groups, reach, device=device)
+
+        def real(values: np.ndarray) -> wp.array:
+            return wp.array(values, dtype=types.real, device=device)
+
+        self.bond = wp.empty(len(self.index), dtype=types.vec, device=device)
+        self.weight = wp.empty(len(self.index), dtype=types.real, device=device)
+        self._inverse_shape = wp.zeros(n, dtype=types.mat, device=device)
+        density = self._set_up(scene, particles, reach)
+        materials = scene.materials
+        lame, mu = np.array([law_constants(material, d, scene.plane) for material in materials])[particles.materials].T
+        volume = particles.spacings**d
+        laws = np.array([LAWS.index(material.law) for material in materials])[particles.materials]
+        self._law = wp.array(laws, dtype=wp.int32, device=device)
+        self._plane_stress = int(d == 2 and scene.plane == "stress")
+        self._volume, self._lame, self._mu = real(volume), real(lame), real(mu)
+        self.kappa = real(scene.elasticity.control * volume * 2.0 * mu * d / density)
+        self.gradient = wp.zeros(n, dtype=types.mat, device=device)
+        self.pull = wp.zeros(n, dtype=types.mat, device=device)
+
+    @property
+    def passes(self) -> list[tuple[str, Pass]]:
+        """What evaluates the forces, in order: the stresses, then the forces."""
+        return [("stress", self._launch_stress), ("force", self._launch_force)]
+
+    def operators(self) -> list[wp.array]:
+        """Start and index of the pairs, their vectors and weights; A_i^-1 and volume of the particles."""
+        return [self.start, self.index, self.bond, self.weight, self._inverse_shape, self._volume]
+
+    def constants(self) -> list[Any]:
+        """Law, lambda and mu of the particles, and whether the scene is in plane stress, as kernels take them."""
+        return [self._law, self._lame, self._mu, self._plane_stress]
+
+    def launch_energy(self, state: ElasticState, energy_out: wp.array) -> None:
+        """Elastic energy of every particle at the last evaluation of the stresses [J]."""
+        pairs = [self.start, self.index, self.bond, self.weight]
+        inputs = [*pairs, self._volume, self.kappa, *self.constants(), state.u, self.gradient]
+        wp.launch(self._kernels.energy, len(self._volume), inputs, [energy_out], device=self._device)
+
+    def pressures(self) -> np.ndarray:
+        """Pressure -tr(sigma)/d of the Cauchy stress sigma = P F^T / J in the scene's dimensions [Pa], shape [n]."""
+        d = self._kit.dimension
+        stresses = stress_fields(self.gradient, self.constants(), types=self._kit, device=self._device).stresses
+        return -np.trace(stresses[:, :d, :d], axis1=1, axis2=2) / d
+
+    def stress_fields(self, state: ElasticState) -> StressFields:
+        """Stresses and strains at the last evaluation of the stresses."""
+        return stress_fields(self.gradient, self.constants(), types=self._kit, device=self._device)
+
+    def energy_densities(self, state: ElasticState) -> np.ndarray:
+        """Strain energy per reference volume, without that of the zero-energy modes' control [J/m^3], shape [n]."""
+        densities = wp.empty(len(self.gradient), dtype=self._kit.real, device=self._device)
+        inputs = [*self.constants(), self.gradient]
+        wp.launch(stress_kernels(self._kit).density, len(densities), inputs, [densities], device=self._device)
+        return densities.numpy().astype(float)
+
+    def rotations(self) -> np.ndarray:
+        """Rotation vectors of R in F = R U [rad], shape [n, 1] in 2-D and [n, 3] in 3-D."""
+        f = self.gradient.numpy().astype(float) + np.eye(self.gradient.numpy().shape[-1])
+        if f.shape[-1] == 2:
+            return np.arctan2(f[:, 1, 0] - f[:, 0, 1], f[:, 0, 0] + f[:, 1, 1])[:, None]
+        return rotation_vectors(_nearest_rotors(f))
+
+    def _set_up(self, scene: Scene, particles: Particles, reach: np.ndarray) -> np.ndarray:
+        """Weights and shapes of the neighbourhoods; the number densities n_i."""
+        n, device = particles.count, self._device
+        vec64 = wp.types.vector(length=particles.dimension, dtype=wp.float64)
+        reference = wp.array(particles.positions, dtype=vec64, device=device)
+        radius = wp.array(reach, dtype=wp.float64, device=device)
+        density, condition = (wp.zeros(n, dtype=wp.float64, device=device) for _ in range(2))
+        outputs = [self.bond, self.weight, self._inverse_shape, density, condition]
+        wp.launch(self._kernels.shapes, n, [self.start, self.index, reference, radius], outputs, device=device)
+        flat = np.flatnonzero(condition.numpy() <= FLAT)
+        if len(flat):
+            body = scene.bodies[particles.bodies[flat[0]]]
+            at = ", ".join(f"{c:.6g}" for c in particles.positions[flat[0]])
+            reason = (
+                f"leaves the body one particle thick at ({at}) m; the hamiltonian model needs two, springs does not"
+            )
+            raise InputError(place(body, "body"), "spacing", reason)
+        return density.numpy()
+
+    def _launch_stress(self, state: ElasticState, first: int, count: int) -> None:
+        pairs = [first, self.start, self.index, self.bond, self.weight]
+        inputs = [*pairs, self._inverse_shape, self._volume, self.kappa, *self.constants(), state.u]
+        wp.launch(self._kernels.stress, count, inputs, [self.gradient, self.pull], device=self._device)
+
+    def _launch_force(self, state: ElasticState, first: int, count: int) -> None:
+        inputs = [first, self.start, self.index, self.bond, self.weight, self.kappa, state.u, self.pull]
+        wp.launch(self._kernels.force, count, inputs, [state.force], device=self._device)
+
+
+def _nearest_rotors(f: np.ndarray) -> np.ndarray:
+    """Unit quaternions of the rotation in the polar decomposition of each F, shape [n, 4].
+
+    It is the R with the largest R : F, a quadratic form of the quaternion; its best one is an eigenvector, as exact for
+    half a turn as for none.
+    """
+    trace = np.trace(f, axis1=1, axis2=2)
+    form = np.empty((len(f), 4, 4))
+    form[:, 0, 0] = trace
+    form[:, 0, 1:] = np.stack((f[:, 2, 1] - f[:, 1, 2], f[:, 0, 2] - f[:, 2, 0], f[:, 1, 0] - f[:, 0, 1]), axis=1)
+    form[:, 1:, 0] = form[:, 0, 1:]
+    form[:, 1:, 1:] = f + np.swapaxes(f, 1, 2) - trace[:, None, None] * np.eye(3)
+    _, vectors = np.linalg.eigh(form)
+    return vectors[:, :, -1]

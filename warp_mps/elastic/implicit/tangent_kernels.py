@@ -1,0 +1,180 @@
+"""The tangent of the Hamiltonian model's forces: its action on displacements, and its diagonal blocks.
+
+With the notation of `warp_mps.elastic.hamiltonian.kernels`, a change du of the displacements changes
+
+    dH_i = [sum_j omega_ij du_ij (x) X_ij] A_i^-1,   dB_i = V_i (dP/dH : dH_i) A_i^-1 - kappa_i dH_i
+
+and the forces by -K du,
+
+    (K du)_i = -sum_j omega_ij [(dB_i + dB_j) X_ij + (kappa_i + kappa_j) du_ij]
+
+K is symmetric, as the forces are the gradient of an energy. The operator of a step is K + m a, with the inertia a of
+the rule of time integration (0 in statics).
+
+A diagonal block of K holds sums of V (C : (du (x) b)) b, C = dP/dH. They only have to precondition: C is taken as that
+of the linear law in a particle that is turned and stretched by F, which is exact at rest and positive always,
+
+    V (C : (du (x) b)) b ~ V [(lambda + mu) (F b) (x) (F b) + mu |F b|^2 I] du
+"""
+
+import functools
+from types import SimpleNamespace
+
+import warp as wp
+
+from warp_mps.core.linear.kernels import FRESH
+from warp_mps.core.types import NumericTypes
+from warp_mps.elastic.hamiltonian.pair_sums import pair_sums
+from warp_mps.elastic.materials.laws import law_funcs
+
+METHOD = "implicit"
+
+
+@functools.cache
+def tangent_kernels(types: NumericTypes) -> SimpleNamespace:
+    """Kernels `choose`, `pull_change`, `product`, `blocks` and `precondition`.
+
+    The solver's vectors are in double precision whatever the run's; the operator is applied in the run's.
+    """
+    real, vec, mat, d = types.real, types.vec, types.mat, types.dimension
+    real64 = wp.float64
+    vec64 = wp.types.vector(length=d, dtype=wp.float64)
+    mat64 = wp.types.matrix(shape=(d, d), dtype=wp.float64)
+    sums = pair_sums(types)
+    pair_moment, pair_force = sums.moment, sums.force
+    stress_change = law_funcs(types).stress_change
+
+    @types.kernel(METHOD)
+    def choose(
+        # State in:
+        control: wp.array(dtype=wp.int32),
+        x: wp.array(dtype=vec64),
+        p: wp.array(dtype=vec64),
+        # Out:
+        direction_out: wp.array(dtype=vec),
+    ):
+        """What the solver's pass multiplies: the solution so far in a fresh pass, else the search direction."""
+        i = wp.tid()
+        if control[FRESH] != 0:
+            direction_out[i] = vec(x[i])
+        else:
+            direction_out[i] = vec(p[i])
+
+    @types.kernel(METHOD)
+    def pull_change(
+        # Model:
+        start: wp.array(dtype=wp.int32),
+        index: wp.array(dtype=wp.int32),
+        bond: wp.array(dtype=vec),
+        weight: wp.array(dtype=real),
+        inverse_shape: wp.array(dtype=mat),
+        volume: wp.array(dtype=real),
+        kappa: wp.array(dtype=real),
+        law: wp.array(dtype=wp.int32),
+        lame: wp.array(dtype=real),
+        mu: wp.array(dtype=real),
+        plane_stress: wp.int32,
+        # State in:
+        gradient: wp.array(dtype=mat),
+        direction: wp.array(dtype=vec),
+        # Out:
+        change_out: wp.array(dtype=mat),
+    ):
+        """DB_i."""
+        i = wp.tid()
+        total = pair_moment(i, start, index, bond, weight, direction)
+        inverse = inverse_shape[i]
+        dh = total * inverse
+        dp = stress_change(law[i], gradient[i], dh, lame[i], mu[i], plane_stress)
+        change_out[i] = volume[i] * dp * inverse - kappa[i] * dh
+
+    @types.kernel(METHOD)
+    def product(
+        # Model:
+        start: wp.array(dtype=wp.int32),
+        index: wp.array(dtype=wp.int32),
+        bond: wp.array(dtype=vec),
+        weight: wp.array(dtype=real),
+        kappa: wp.array(dtype=real),
+        mass: wp.array(dtype=real),
+        inertia: wp.array(dtype=wp.float64),
+        # State in:
+        direction: wp.array(dtype=vec),
+        change: wp.array(dtype=mat),
+        # Out:
+        product_out: wp.array(dtype=vec64),
+    ):
+        """(K + m a) du."""
+        i = wp.tid()
+        force = pair_force(i, start, index, bond, weight, kappa, direction, change)
+        product_out[i] = (inertia[0] * real64(mass[i])) * vec64(direction[i]) - vec64(force)
+
+    @types.func(METHOD)
+    def acoustic(c: real, f: mat, b: vec, lame: real, mu: real, law: wp.int32, plane_stress: wp.int32) -> mat:
+        """C times (F b) (x) (F b) and |F b|^2; the neo-Hookean law's lambda is not yet that of plane stress."""
+        plane = lame
+        if law != 0 and plane_stress == 1:
+            plane = real(2.0) * mu * lame / (lame + real(2.0) * mu)
+        g = b + f * b
+        unit = wp.identity(n=wp.static(d), dtype=real)
+        return c * ((plane + mu) * wp.outer(g, g) + (mu * wp.dot(g, g)) * unit)
+
+    @types.kernel(METHOD)
+    def blocks(
+        # Model:
+        start: wp.array(dtype=wp.int32),
+        index: wp.array(dtype=wp.int32),
+        bond: wp.array(dtype=vec),
+        weight: wp.array(dtype=real),
+        inverse_shape: wp.array(dtype=mat),
+        volume: wp.array(dtype=real),
+        kappa: wp.array(dtype=real),
+        law: wp.array(dtype=wp.int32),
+        lame: wp.array(dtype=real),
+        mu: wp.array(dtype=real),
+        plane_stress: wp.int32,
+        mass: wp.array(dtype=real),
+        inertia: wp.array(dtype=wp.float64),
+        free: wp.array(dtype=vec),
+        # State in:
+        gradient: wp.array(dtype=mat),
+        # Out:
+        block_out: wp.array(dtype=mat64),
+        inverse_out: wp.array(dtype=mat64),
+    ):
+        """The block of a particle, and its inverse among the axes that are free."""
+        i = wp.tid()
+        unit = wp.identity(n=wp.static(d), dtype=real)
+        asymmetry = vec()
+        total = mat()
+        control = real(0.0)
+        for k in range(start[i], start[i + 1]):
+            j = index[k]
+            w = weight[k]
+            asymmetry += w * bond[k]
+            b = inverse_shape[j] * bond[k]
+            total += acoustic(w * w * volume[j], gradient[j], b, lame[j], mu[j], law[j], plane_stress)
+            control += w * (kappa[i] + kappa[j]) - w * w * kappa[j] * wp.dot(b, bond[k])
+        # what the particle's own gradient adds where its neighbours do not surround it
+        a = inverse_shape[i] * asymmetry
+        total += acoustic(volume[i], gradient[i], a, lame[i], mu[i], law[i], plane_stress)
+        control -= kappa[i] * wp.dot(a, asymmetry)
+        block = mat64(total + control * unit)
+        held = mat64()
+        for row in range(wp.static(d)):
+            block[row, row] += inertia[0] * real64(mass[i])
+            for column in range(wp.static(d)):
+                if free[i][row] > real(0.0) and free[i][column] > real(0.0):
+                    held[row, column] = block[row, column]
+                elif row == column:
+                    held[row, column] = real64(1.0)
+        block_out[i] = block
+        inverse_out[i] = wp.inverse(held)
+
+    @types.kernel(METHOD)
+    def precondition(inverse: wp.array(dtype=mat64), r: wp.array(dtype=vec64), z_out: wp.array(dtype=vec64)):
+        i = wp.tid()
+        z_out[i] = inverse[i] * r[i]
+
+    made = (choose, pull_change, product, blocks, precondition)
+    return SimpleNamespace(**{kernel.func.__name__: kernel for kernel in made})

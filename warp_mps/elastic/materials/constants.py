@@ -1,0 +1,37 @@
+"""Lame's constants of a material in 3-D, plane strain and plane stress."""
+
+from __future__ import annotations
+
+import math
+
+from warp_mps.scene import Material
+
+
+def lame_constants(material: Material, dimension: int, plane: str) -> tuple[float, float]:
+    """Lame's constants lambda and mu [Pa].
+
+    2 mu = E / (1 + nu) (eq. 2); lambda = nu E / (1 - nu^2) in plane stress (eq. 3), and
+    nu E / ((1 + nu)(1 - 2 nu)) in plane strain and in 3-D.
+
+    Args:
+        material: The material.
+        dimension: 2 or 3.
+        plane: ``strain`` or ``stress``, in 2-D.
+    """
+    youngs, nu = material.youngs_modulus, material.poissons_ratio
+    if dimension == 2 and plane == "stress":
+        lame = nu * youngs / (1.0 - nu**2)
+    else:
+        lame = nu * youngs / ((1.0 + nu) * (1.0 - 2.0 * nu))
+    return lame, 0.5 * youngs / (1.0 + nu)
+
+
+def law_constants(material: Material, dimension: int, plane: str) -> tuple[float, float]:
+    """Lame's constants as the material's law takes them [Pa]: a neo-Hookean one finds plane stress by itself."""
+    return lame_constants(material, dimension, "strain" if material.law == "neo_hookean" else plane)
+
+
+def pressure_wave_speed(material: Material, dimension: int, plane: str) -> float:
+    """Speed of pressure waves c_p = sqrt((lambda + 2 mu) / rho) [m/s]."""
+    lame, mu = lame_constants(material, dimension, plane)
+    return math.sqrt((lame + 2.0 * mu) / material.density)

@@ -1,0 +1,1 @@
+"""Derived quantities of elastic bodies: stresses, strains, energies."""

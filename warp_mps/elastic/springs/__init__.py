@@ -1,0 +1,1 @@
+"""The paper's elastic model: springs along and across pairs, and particle rotation."""

@@ -1,0 +1,1 @@
+"""What a run leaves behind: summary, history, measurements, settings, energies. Knows no method."""

@@ -1,0 +1,125 @@
+"""The history of a run: what probes.csv holds, a time and the probes and energies at that time in every row."""
+
+from __future__ import annotations
+
+import csv
+import io
+import re
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from warp_mps.errors import InputError
+from warp_mps.results.atomic_write import write_whole
+from warp_mps.results.energy import ENERGY_NAMES, Energy
+
+TIME_LABEL = "time [s]"
+
+
+def energy_labels(dimension: int) -> tuple[str, ...]:
+    """Labels of the energies' columns, the last ones of a history."""
+    unit = "J/m" if dimension == 2 else "J"
+    return tuple(f"{name} [{unit}]" for name in ENERGY_NAMES.values())
+
+
+class History:
+    """Rows of numbers under labels such as ``tip.x [m]``.
+
+    Args:
+        labels: Labels: the time, the probes' components, the energies.
+        rows: Rows to begin with, times increasing.
+    """
+
+    def __init__(self, labels: Sequence[str], rows: Iterable[Sequence[float]] = ()) -> None:
+        self.labels = tuple(labels)
+        self.rows = [tuple(row) for row in rows]
+
+    def append(self, row: Sequence[float]) -> None:
+        """Add a row; its first number is the time [s]."""
+        self.rows.append(tuple(row))
+
+    @property
+    def last_time(self) -> float:
+        """Time of the last row [s], minus infinity before the first."""
+        return self.rows[-1][0] if self.rows else -np.inf
+
+    @property
+    def times(self) -> np.ndarray:
+        """Times [s], shape [m]."""
+        return np.array([row[0] for row in self.rows])
+
+    def probe(self, name: str, component: int = 0) -> np.ndarray:
+        """History of one component of a probe, shape [m].
+
+        Raises:
+            KeyError: There is no such probe or component.
+        """
+        column = self._column(name, component)
+        return np.array([row[column] for row in self.rows])
+
+    def label(self, name: str, component: int = 0) -> str:
+        """Label of the column of one component of a probe, e.g. ``tip.x [m]``.
+
+        Raises:
+            KeyError: There is no such probe or component.
+        """
+        return self.labels[self._column(name, component)]
+
+    def _column(self, name: str, component: int) -> int:
+        columns = [
+            column
+            for column, label in enumerate(self.labels[1 : -len(ENERGY_NAMES)], start=1)
+            if label.rpartition(" [")[0] == name
+            or re.fullmatch(re.escape(name) + r"\.[xyz]{1,2}", label.rpartition(" [")[0])
+        ]
+        if component < len(columns):
+            return columns[component]
+        raise KeyError(f"probe {name!r} has no component {component}")
+
+    def energies(self) -> list[Energy]:
+        """Energies of every row."""
+        count = len(ENERGY_NAMES)
+        return [Energy(**dict(zip(ENERGY_NAMES, row[-count:], strict=True))) for row in self.rows]
+
+    def until(self, time: float) -> History:
+        """The rows up to a time [s], but for rounding."""
+        limit = time + 1e-12 * abs(time)
+        return History(self.labels, [row for row in self.rows if row[0] <= limit])
+
+
+def read_history(path: str | Path) -> History:
+    """Read probes.csv; a last row that was cut short when its writer died is left out.
+
+    Raises:
+        InputError: The file is missing or holds something else.
+    """
+    try:
+        text = Path(path).read_text(encoding="utf-8")
+        lines = list(csv.reader(text[: text.rfind("\n") + 1].splitlines()))
+    except OSError as error:
+        raise InputError(str(path), "", f"cannot be read: {error.strerror}") from error
+    except (UnicodeDecodeError, csv.Error) as error:
+        raise InputError(str(path), "", f"is damaged: {error}") from error
+    if not lines or not lines[0] or lines[0][0] != TIME_LABEL:
+        raise InputError(str(path), "", f"is not a table of probes: its first column must be {TIME_LABEL!r}")
+    try:
+        rows = [[float(cell) for cell in line] for line in lines[1:]]
+    except ValueError as error:
+        raise InputError(str(path), "", f"holds something else than numbers: {error}") from error
+    if any(len(row) != len(lines[0]) for row in rows):
+        raise InputError(str(path), "", "has rows of different lengths")
+    return History(lines[0], rows)
+
+
+def write_history(path: str | Path, history: History) -> None:
+    """Write probes.csv as a whole, in one atomic step."""
+    lines = [history.labels, *(format_row(row) for row in history.rows)]
+    text = io.StringIO()
+    csv.writer(text, lineterminator="\n").writerows(lines)
+    write_whole(path, text.getvalue())
+
+
+def format_row(row: Sequence[float]) -> list[str]:
+    """Numbers as the shortest text that reads back as the same numbers."""
+    return [repr(float(value)) for value in row]

@@ -1,0 +1,227 @@
+"""The summary of a run, run.json: what ran, how it ended, how fast it was, and what was measured."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import math
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from warp_mps.errors import InputError
+from warp_mps.results.atomic_write import write_whole
+from warp_mps.results.energy import ENERGY_NAMES
+from warp_mps.results.formatting import duration, percent
+from warp_mps.results.history import History
+from warp_mps.results.measures import evaluate
+
+if TYPE_CHECKING:
+    from warp_mps.scene import Measurement, Scene
+
+STATUSES = ("running", "done", "failed")
+
+
+@dataclass(kw_only=True)
+class RunSummary:
+    """What run.json holds.
+
+    Attributes:
+        case: Name of the case.
+        status: One of `STATUSES`.
+        reason: Why the run failed, else empty.
+        device: Device that it ran on.
+        precision: ``float64`` or ``float32``.
+        versions: Versions of the program and of what it stands on, by name.
+        dimension: 2 or 3.
+        particles: Number of particles of each body.
+        settings: The case's settings; see :func:`warp_mps.results.settings.scene_settings`.
+        steps: Steps done.
+        time: Simulated time [s].
+        wall_seconds: Wall time of the steps since the start, or since the last time the run was resumed [s].
+        particle_steps_per_second: Speed over that time [1/s], under ``solid`` and ``fluid``.
+        energy: Energies at the end, what is ``unaccounted`` for, and ``drift``, None with fluids; see
+            :func:`energy_record`.
+        momentum_error: Largest resultant of the internal forces in a frame since then, as a part of the largest sum of
+            their magnitudes [-].
+        fluid: Of fluids, particles `lost`, iterations and largest true residual of the pressure solves, and how many
+            stayed `unsolved`.
+        implicit: Of a static analysis and of implicit steps, what the solvers did: `equilibria` solved,
+            Newton iterations, iterations of the linear solver, renewals of its coarse level, largest residual
+            relative to the forces.
+        coupling: Of water and bodies together: mean and largest number of `passes` of a step until they agreed, steps
+            after which they `disagreed` and the largest residual of a step, since the start or the last time the run
+            was resumed, and the work of the water on the bodies [J].
+        measurements: Results; see :func:`measurement_rows`.
+    """
+
+    case: str
+    status: str = "running"
+    reason: str = ""
+    device: str = "cpu"
+    precision: str = "float64"
+    versions: dict[str, str] = field(default_factory=dict)
+    dimension: int = 2
+    particles: dict[str, int] = field(default_factory=dict)
+    settings: dict[str, Any] = field(default_factory=dict)
+    steps: int = 0
+    time: float = 0.0
+    wall_seconds: float = 0.0
+    particle_steps_per_second: dict[str, float | None] = field(default_factory=dict)
+    energy: dict[str, float | None] = field(default_factory=dict)
+    momentum_error: float | None = None
+    fluid: dict[str, float] = field(default_factory=dict)
+    implicit: dict[str, float] = field(default_factory=dict)
+    coupling: dict[str, float] = field(default_factory=dict)
+    measurements: list[dict[str, Any]] = field(default_factory=list)
+
+    def __str__(self) -> str:
+        """A few lines: how far it came, how fast, its energies at the end, and its measurements."""
+        return outline(self)
+
+    def write(self, path: str | Path) -> None:
+        """Write run.json in one atomic step; a number that is not finite becomes null."""
+        text = json.dumps(_finite(dataclasses.asdict(self)), indent=2, allow_nan=False)
+        write_whole(path, text + "\n")
+
+
+def read_summary(path: str | Path) -> RunSummary:
+    """Read run.json; keys that this version does not know are passed over.
+
+    Raises:
+        InputError: The file is missing or is not the summary of a run.
+    """
+    try:
+        data = json.loads(Path(path).read_text(encoding="utf-8"))
+    except OSError as error:
+        raise InputError(str(path), "", f"cannot be read: {error.strerror}") from error
+    except ValueError as error:
+        raise InputError(str(path), "", f"is not valid JSON: {error}") from error
+    if not isinstance(data, dict) or "case" not in data or data.get("status") not in STATUSES:
+        raise InputError(str(path), "", "is not the summary of a run: a case and a status are missing")
+    known = {item.name for item in dataclasses.fields(RunSummary)}
+    return RunSummary(**{name: value for name, value in data.items() if name in known})
+
+
+def energy_record(history: History, *, fluids: bool = False) -> dict[str, float | None]:
+    """Energies at the end of a history and their relative drift.
+
+    What was ``dissipated`` is as in probes.csv, and ``unaccounted`` is what the energy balance
+    (:class:`warp_mps.results.energy.Energy`) has lost since the start beside it, that nothing counts: held - work +
+    dissipated + unaccounted stays what it was. The drift is the largest change of the balance, divided by the largest
+    of the energy that motion and deformation held and of the work put in. Fluids lose energy by viscosity, impacts and
+    collisions, all unaccounted, so that their runs have no drift.
+
+    Args:
+        history: The energies.
+        fluids: Whether they are those of fluids.
+    """
+    energies = history.energies()
+    if not energies:
+        return {}
+    record: dict[str, float | None] = {name: getattr(energies[-1], name) for name in ENERGY_NAMES}
+    record["unaccounted"] = energies[0].balance - energies[-1].balance
+    if fluids:
+        record["drift"] = None
+        return record
+    scale = max(max(energy.exchanged, abs(energy.work)) for energy in energies)
+    drift = max(abs(energy.balance - energies[0].balance) for energy in energies)
+    record["drift"] = drift / scale if scale > 0.0 else 0.0
+    return record
+
+
+def measurement_rows(scene: Scene, history: History) -> list[dict[str, Any]]:
+    """Evaluate all measurements of a scene.
+
+    Returns:
+        A row for each: ``name, value, unit, reference, error, source``, and how it was drawn: the ``measure``, the
+        ``column`` of probes.csv, the ``window`` of time [s], whose end may be None, and ``at``. The error is
+        (value - reference)/|reference|, None without a reference or where it is 0. A value that cannot be drawn is
+        None, and ``reason`` then says why.
+    """
+    return [_row(measurement, history) for measurement in scene.measurements]
+
+
+def _row(measurement: Measurement, history: History) -> dict[str, Any]:
+    row: dict[str, Any] = {
+        "name": measurement.name,
+        "value": None,
+        "unit": measurement.unit,
+        "reference": measurement.reference,
+        "error": None,
+        "source": measurement.source,
+        "measure": measurement.measure,
+        "column": None,
+        "window": [measurement.start, measurement.end],
+        "at": measurement.at,
+    }
+    try:
+        row["column"] = history.label(measurement.probe, measurement.component)
+        values = history.probe(measurement.probe, measurement.component)
+        row["value"] = evaluate(measurement, history.times, values)
+    except (ValueError, KeyError) as error:
+        row["reason"] = str(error.args[0])
+        return row
+    if measurement.reference:
+        row["error"] = (row["value"] - measurement.reference) / abs(measurement.reference)
+    return row
+
+
+def _finite(value: Any) -> Any:
+    """The same structure with None for every number that is not finite, which JSON cannot hold."""
+    if isinstance(value, dict):
+        return {key: _finite(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_finite(item) for item in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value
+
+
+def outline(summary: RunSummary) -> str:
+    """What a run did, its energies at the end, and its measurements, a line each."""
+    unit = "J/m" if summary.dimension == 2 else "J"
+    reason = f" ({summary.reason})" if summary.reason else ""
+    energies = {name: value for name, value in summary.energy.items() if value and name != "drift"}
+    shown = ", ".join(f"{name} {value:.4g}" for name, value in energies.items())
+    return "\n".join(
+        [
+            f"{headline(summary)}; {summary.status}{reason}",
+            "particles: " + ", ".join(f"{name} {count}" for name, count in summary.particles.items()),
+            *([f"energy [{unit}]: {shown}"] if shown else []),
+            *(f"{row['name']}: {_measured(row)}" for row in summary.measurements),
+        ]
+    )
+
+
+def _measured(row: dict[str, Any]) -> str:
+    if row["value"] is None:
+        return str(row.get("reason", "none"))
+    text = f"{row['value']:.5g} {row['unit']}".rstrip()
+    if row["reference"] is None:
+        return text
+    error = f", {percent(row['error'])}" if row["error"] is not None else ""
+    return f"{text} (reference {row['reference']:.5g}{error})"
+
+
+def headline(summary: RunSummary) -> str:
+    """How far a run came, how fast, and how accurate it was."""
+    speed = sum(value or 0.0 for value in summary.particle_steps_per_second.values())
+    return (
+        f"{summary.case}: {summary.steps} steps, {summary.time:.6g} s simulated in {duration(summary.wall_seconds)} "
+        f"({speed / 1e6:.3g} million particle-steps a second), {_account(summary)}"
+    )
+
+
+def _account(summary: RunSummary) -> str:
+    """What tells of the accuracy of a run: its energy, or with fluids, which lose some, the pressure solves."""
+    if not summary.fluid:
+        return f"energy drift {percent(summary.energy.get('drift'))}"
+    lost, unsolved = (int(summary.fluid.get(name, 0)) for name in ("lost", "unsolved"))
+    text = f"{summary.fluid.get('pressure_iterations', 0.0):.3g} iterations a pressure solve"
+    text += f", {unsolved} UNSOLVED" if unsolved else ""
+    if summary.coupling:
+        disagreed = int(summary.coupling.get("disagreed", 0))
+        text += f", {summary.coupling.get('passes', 0.0):.3g} passes a step between water and bodies"
+        text += f", {disagreed} steps DISAGREED" if disagreed else ""
+    return text + (f", {lost} particles lost" if lost else "")

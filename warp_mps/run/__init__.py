@@ -1,0 +1,1 @@
+"""Runs: the simulation of a scene on a device, its schedule, its folder, and what it costs."""

@@ -1,0 +1,89 @@
+"""Time step and schedule of a run: frames and samples fall on whole steps."""
+
+from __future__ import annotations
+
+import math
+
+from warp_mps.elastic.explicit.time_step import SAFETY, contact_slowing, stable_limit
+from warp_mps.elastic.materials.constants import pressure_wave_speed
+from warp_mps.errors import InputError
+from warp_mps.scene import Scene
+
+# steps are counted in 32 bits on the device
+MOST_STEPS = 2**31 - 1
+SMALLEST_STEP = 1e-200
+
+
+class Clock:
+    """Time step and schedule of a run.
+
+    Attributes:
+        dt: Time step [s]; of fluids, the interval between two samples; in statics, of the load factor.
+        steps: Number of steps of the run.
+        frame_every: Steps between saved frames.
+        sample_every: Steps between rows of probes.csv.
+        dt_limit: Largest time step that is stable for small deformations, contact apart [s].
+
+    Raises:
+        InputError: The numbers make a step that is none, or more steps than can be counted.
+    """
+
+    _rate: float | None
+
+    def __init__(self, scene: Scene) -> None:
+        frame = 1.0 / scene.frame_rate
+        samples = max(1, round((scene.sample_rate or scene.frame_rate) / scene.frame_rate))
+        if scene.fluids:
+            # a step of a run is an interval between two samples, which takes as many steps of the fluid as it needs
+            self.dt_limit, self.sample_every, self.dt = math.inf, 1, frame / samples
+        elif scene.analysis == "static":
+            self._ramp(scene)
+            return
+        else:
+            self._divide(scene, frame, samples)
+        self.frame_every = samples * self.sample_every
+        self.steps = max(1, math.ceil(_count(scene, scene.duration, self.dt, "duration") - 1e-6))
+        # the same as steps of dt but for rounding: frames are then at 0.2 s, not at 0.19999999999999998
+        given = scene.time_step is not None and not scene.fluids
+        self._rate = None if given else self.frame_every * scene.frame_rate
+
+    def _ramp(self, scene: Scene) -> None:
+        """A step is a load step, and each is shown; what stands for the time is the load factor."""
+        self.dt_limit, self.dt, self._rate = math.inf, 1.0 / scene.load_steps, float(scene.load_steps)
+        self.steps = max(1, math.ceil(_count(scene, scene.duration, self.dt, "duration") - 1e-6))
+        self.sample_every = self.frame_every = 1
+
+    def _divide(self, scene: Scene, frame: float, samples: int) -> None:
+        """Find the time step of elastic bodies, of which a whole number fits between two samples."""
+        crossing = min(
+            body.spacing / pressure_wave_speed(material, scene.dimension, scene.plane)
+            for body in scene.bodies
+            for material in body.materials
+        )
+        crossing /= contact_slowing(scene)
+        self.dt_limit = math.inf if scene.implicit else stable_limit(scene)
+        if scene.time_step is None:
+            step = min(scene.courant * crossing, SAFETY * self.dt_limit)
+            self.sample_every = max(1, math.ceil(_count(scene, frame / samples, step, "frame_rate")))
+            self.dt = frame / (samples * self.sample_every)
+        else:
+            self.sample_every = max(1, round(_count(scene, frame / samples, scene.time_step, "time_step")))
+            self.dt = scene.time_step
+
+    def time(self, step: int) -> float:
+        """Time after so many steps [s]."""
+        return step / self._rate if self._rate else step * self.dt
+
+
+def _count(scene: Scene, interval: float, step: float, attribute: str) -> float:
+    """How many steps make an interval, if that is a number that a run can count.
+
+    Raises:
+        InputError: It is not.
+    """
+    if step < SMALLEST_STEP:
+        raise InputError(scene.path, attribute, f"makes a time step of {step:.3g} s, too small to be one")
+    if interval / step > MOST_STEPS:
+        reason = f"makes {interval / step:.3g} steps of {step:.3g} s; at most {MOST_STEPS:.3g} can be counted"
+        raise InputError(scene.path, attribute, reason)
+    return interval / step

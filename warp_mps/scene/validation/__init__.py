@@ -1,0 +1,1 @@
+"""What a scene must satisfy before it can be run."""

@@ -1,0 +1,74 @@
+"""What elastic bodies and the fluids about them must satisfy together, and what is worth a remark."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from warp_mps.scene.validation.rules import SAME, place, require
+from warp_mps.shapes import Box
+
+if TYPE_CHECKING:
+    from warp_mps.scene import Body, Scene
+
+
+def check_coupling(scene: Scene) -> None:
+    """Check a scene with elastic bodies and fluids.
+
+    Raises:
+        InputError: Something is not allowed.
+    """
+    if not (scene.bodies and scene.fluids):
+        return
+    clipped = scene.flow.negative_pressure == "clipped"
+    reason = f"is {scene.flow.negative_pressure!r}, must be 'clipped' beside elastic bodies: water does not pull"
+    require(clipped, scene.path, "flow.negative_pressure", reason)
+    fluid = scene.fluids[0]
+    for body in scene.bodies:
+        ratio = fluid.spacing / body.spacing
+        good = round(ratio) >= 1 and abs(ratio - round(ratio)) <= SAME * ratio
+        other = f"{place(fluid, 'fluid')}, {fluid.spacing:g} m"
+        reason = f"is {body.spacing:g} m, must be that of {other}, or a whole part of it"
+        require(good, place(body, "body"), "spacing", reason)
+
+
+def remarks_on_bodies(scene: Scene) -> list[str]:
+    """What is worth knowing of the bodies in the fluids of a scene, a line each."""
+    lines = [line for body in scene.bodies for line in (*_thin(body, scene), *_uneven(body, scene))]
+    if scene.bodies and scene.contact.between == "none" and not scene.supports:
+        lines.append("no contact and no supports: bodies go through walls and each other; contact 'bodies' parts them")
+    return lines
+
+
+def _thin(body: Body, scene: Scene) -> list[str]:
+    """A line about a body of which the water sees fewer rows than it can look through."""
+    if not isinstance(body.shape, Box):
+        return []
+    spacing, thinnest = scene.fluids[0].spacing, float(np.min(body.shape.size[: scene.dimension]))
+    rows = max(1, round(thinnest / spacing))
+    where = place(body, "body")
+    if round(thinnest / body.spacing) <= 1:
+        return [f"{where}: is one particle thick: it stretches, but has no stiffness in bending"]
+    least = math.ceil(scene.flow.radius(scene.dimension)) - 1
+    if rows >= least:
+        return []
+    thick = f"is {rows} spacing{'s' if rows > 1 else ''} of the water thick"
+    return [f"{where}: {thick}: in impacts, water on one side feels that on the other; {least} keep it apart"]
+
+
+def _uneven(body: Body, scene: Scene) -> list[str]:
+    """A line about a body that is no whole number of the water's spacings thick, which pushes the water off."""
+    if not isinstance(body.shape, Box):
+        return []
+    ratio = round(scene.fluids[0].spacing / body.spacing)
+    rows = [
+        max(1, round(size / body.spacing)) + (axis in body.node_axes)
+        for axis, size in enumerate(body.shape.size[: scene.dimension])
+    ]
+    if all(count % ratio == 0 for count in rows):
+        return []
+    shown = " x ".join(f"{count}" for count in rows)
+    reason = f"is {shown} particles, should be a whole number of {ratio} each way: the water sees so many as one, and"
+    return [f"{place(body, 'body')}: {reason} feels those left over as a push at the start"]

@@ -1,0 +1,92 @@
+"""What probes and measurements must satisfy: quantities that their place has, components and times that there are."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from typing import TYPE_CHECKING
+
+from warp_mps import scene as sc
+from warp_mps.scene.components import component_names
+from warp_mps.scene.validation.fluids import check_probed_fluid, probe_quantities
+from warp_mps.scene.validation.rules import choice, named, place, positive, require, vector
+
+if TYPE_CHECKING:
+    from warp_mps.scene import Measurement, Probe, Scene
+
+
+def check_probe(scene: Scene, probe: Probe) -> None:
+    """Check a probe.
+
+    Raises:
+        InputError: Something is not allowed.
+    """
+    where = place(probe, "probe")
+    given = [p for p in (probe.point, probe.region, probe.body, probe.support) if p is not None]
+    require(len(given) == 1, where, "target", "must be exactly one of a point, a region, a body and a support")
+    choice(probe.quantity, probe_quantities(probe, scene), where, "quantity")
+    if probe.point is not None:
+        vector(probe.point, scene.dimension, where, "point")
+    moment = probe.quantity in sc.ABOUT_QUANTITIES
+    reason = f"is missing: a {probe.quantity} needs the point that it is taken about"
+    require(not moment or probe.about is not None, where, "about", reason)
+    require(moment or probe.about is None, where, "about", f"needs {' or '.join(sc.ABOUT_QUANTITIES)}")
+    if probe.about is not None:
+        vector(probe.about, scene.dimension, where, "about")
+    others = {*(wall.name for wall in scene.walls), *(fluid.name for fluid in scene.fluids)}
+    if probe.body is not None and probe.body not in others:
+        names_of_bodies((probe.body,), scene, where, "target")
+    check_probed_fluid(probe, scene, where)
+    if probe.support is not None:
+        named(probe.support, [support.name for support in scene.supports], where, "target", "support")
+
+
+def check_measurement(scene: Scene, measurement: Measurement) -> None:
+    """Check a measurement.
+
+    Raises:
+        InputError: Something is not allowed.
+    """
+    where = place(measurement, "measurement")
+    choice(measurement.measure, sc.MEASURES, where, "measure")
+    known = {probe.name: probe for probe in scene.probes}
+    named(measurement.probe, list(known), where, "probe", "probe")
+    own = sc.PROBE_UNITS[known[measurement.probe].quantity][scene.dimension - 2]
+    choice(measurement.unit, ("", *sc.MEASURE_UNITS.get(measurement.measure, (own,))), where, "unit")
+    names = component_names(known[measurement.probe].quantity, scene.frame.axes)
+    good = 0 <= measurement.component < max(len(names), 1)
+    reason = f"must be one of the {len(names)} components of its probe" if names else "must be 0: its probe has but one"
+    require(good, where, "component", reason)
+    end = scene.duration if measurement.end is None else measurement.end
+    good = 0.0 <= measurement.start < end
+    require(good, where, "start", f"is {measurement.start:g} s, must lie before the end, {end:g} s")
+    needed = measurement.measure in sc.AT_MEASURES
+    require(needed or measurement.at is None, where, "at", f"is of the measures {' and '.join(sc.AT_MEASURES)}")
+    if needed:
+        good = measurement.at is not None and math.isfinite(measurement.at)
+        require(good, where, "at", f"is {measurement.at}, must be a number: {measurement.measure} needs it")
+    if measurement.measure == "value_at":
+        good = measurement.start <= (measurement.at or 0.0) <= end
+        reason = f"is {measurement.at:g} s, must lie between {measurement.start:g} and {end:g} s"
+        require(good, where, "at", reason)
+    if measurement.measure.startswith("harmonic"):
+        positive(measurement.frequency, where, "frequency")
+    if measurement.reference is not None:
+        require(math.isfinite(measurement.reference), where, "reference", "must be finite")
+
+
+def is_past(measurement: Measurement, end: float) -> bool:
+    """Whether a measurement looks at what lies after a time [s]."""
+    late = measurement.measure == "value_at" and measurement.at is not None and measurement.at > end
+    return late or measurement.start >= end
+
+
+def names_of_bodies(names: Iterable[str], scene: Scene, where: str, attribute: str) -> None:
+    """Refuse names that are of no elastic body.
+
+    Raises:
+        InputError: There is one.
+    """
+    known = [body.name for body in scene.bodies]
+    for name in names:
+        named(name, known, where, attribute, "body")

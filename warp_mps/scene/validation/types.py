@@ -1,0 +1,102 @@
+"""Whether every field of a scene holds what its annotation says, before anything is computed with it."""
+
+from __future__ import annotations
+
+import dataclasses
+import functools
+import types
+import typing
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from warp_mps.errors import InputError
+from warp_mps.scene.validation.rules import place
+from warp_mps.shapes import Shape
+from warp_mps.shapes.numbers import is_number
+
+# what the types of fields are called
+_WORDS = {float: "a number", int: "a whole number", str: "a text", bool: "True or False", type(None): "None"}
+
+
+def check_types(record: Any, where: str, prefix: str = "") -> None:
+    """Check the fields of a record of a scene, and of the records in them.
+
+    Args:
+        record: A scene, or a part of one.
+        where: What errors call it.
+        prefix: What stands before the names of its fields, such as ``motion.``.
+
+    Raises:
+        InputError: A field holds something of another kind.
+    """
+    for name, hint in _hints(record.__class__).items():
+        value = getattr(record, name)
+        if not _fits(value, hint):
+            raise InputError(where, prefix + name, f"is {_shown(value)}, must be {_wording(hint)}")
+        items = value if isinstance(value, tuple | list) else [value]
+        item: Any
+        for item in items:
+            if not dataclasses.is_dataclass(item) or isinstance(item, Shape):  # shapes check themselves
+                continue
+            if hasattr(item, "name"):
+                check_types(item, place(item, type(item).__name__.lower()))  # type: ignore[arg-type]
+            else:
+                check_types(item, where, f"{prefix}{name}.")
+
+
+@functools.cache
+def _hints(kind: Any) -> dict[str, Any]:
+    return {field.name: typing.get_type_hints(kind)[field.name] for field in dataclasses.fields(kind)}
+
+
+def _fits(value: Any, hint: Any) -> bool:
+    """Whether a value is of a kind; a list will do for a tuple, and whatever NumPy makes numbers of for an array."""
+    origin, inner = typing.get_origin(hint), typing.get_args(hint)
+    if origin in (typing.Union, types.UnionType):
+        return any(_fits(value, option) for option in inner)
+    if origin is tuple:
+        return isinstance(value, tuple | list) and _fit(value, inner)
+    if origin is Sequence or hint is np.ndarray or origin is np.ndarray:
+        return _are_numbers(value)
+    return is_number(value) if hint is float else isinstance(value, int | np.integer if hint is int else hint)
+
+
+def _fit(values: Sequence[Any], hints: Sequence[Any]) -> bool:
+    """Whether the items of a tuple are of the kinds of its annotation."""
+    if hints[-1] is Ellipsis:
+        return all(_fits(item, hints[0]) for item in values)
+    return len(values) == len(hints) and all(map(_fits, values, hints))
+
+
+def _are_numbers(value: Any) -> bool:
+    try:
+        return np.ndim(np.asarray(value, float)) > 0 and not isinstance(value, str)
+    except (TypeError, ValueError):
+        return False
+
+
+def _shown(value: Any) -> str:
+    """A value, or what it is and holds where it is long."""
+    if len(repr(value)) < 40:
+        return repr(value)
+    kinds = {type(item).__name__: None for item in value} if isinstance(value, tuple | list) else {}
+    return f"a {type(value).__name__}{' of ' if kinds else ''}{' and '.join(kinds)}"
+
+
+def _wording(hint: Any) -> str:
+    origin, inner = typing.get_origin(hint), typing.get_args(hint)
+    if origin in (typing.Union, types.UnionType):
+        return " or ".join(_wording(option) for option in inner)
+    if origin is tuple:
+        kinds = {float: "numbers", int: "whole numbers", str: "texts"}
+        vectors = typing.get_origin(inner[0]) is not None
+        return f"a tuple of {'vectors' if vectors else kinds.get(inner[0]) or _plural(inner[0].__name__)}"
+    if origin is Sequence or hint is np.ndarray or origin is np.ndarray:
+        return "a sequence of numbers"
+    return _WORDS.get(hint) or f"{'an' if hint.__name__[0] in 'AEIO' else 'a'} {hint.__name__}"
+
+
+def _plural(name: str) -> str:
+    return f"{name[:-1]}ies" if name.endswith("y") else f"{name}s"

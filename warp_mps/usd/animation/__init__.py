@@ -1,0 +1,1 @@
+"""Results as USD animations, with what makes them look right when they are opened."""

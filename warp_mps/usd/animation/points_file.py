@@ -1,0 +1,246 @@
+"""A file of moving particles: a stage with one `UsdGeom.Points` a body."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import re
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from pxr import Sdf, Tf, Usd, UsdGeom, UsdPhysics, Vt
+
+from warp_mps.errors import InputError, RunError
+from warp_mps.particles.filling import Particles
+from warp_mps.scene import OUTPUTS
+from warp_mps.usd.animation.cutaway import walls_in_the_way
+from warp_mps.usd.animation.scenery import Scenery, paint
+
+if TYPE_CHECKING:
+    from warp_mps.scene import StageFrame
+
+ROOT = "/Result"
+PLAYBACK_RATE = 30.0
+# waste in a file, in units of what counts in it and beyond some bytes, with which it is written anew
+MOST_WASTE, LEAST_WASTE = 1.0, 2**20
+# saves after which what USD keeps of them in memory is let go
+SAVES_KEPT = 64
+# as screens take them
+PALETTE = (
+    (0.90, 0.38, 0.22),
+    (0.16, 0.50, 0.73),
+    (0.95, 0.71, 0.20),
+    (0.20, 0.63, 0.53),
+    (0.58, 0.40, 0.74),
+    (0.55, 0.57, 0.60),
+)
+WALL_COLOR = (0.72, 0.72, 0.70)
+LIQUID_COLOR = (0.16, 0.45, 0.75)
+
+
+class PointsFile:
+    """A stage of particles that is saved in place, frame by frame.
+
+    Every save writes the tables of all frames anew, behind those that it leaves as waste: their sizes grow with the
+    square of the number of frames, and USD keeps something of each in memory. When waste has come to be as much as what
+    counts, the file is written anew without it.
+
+    Args:
+        path: The file, which exists (:meth:`create` makes one).
+        particles: Particles of the scene.
+        frame: How the scene lies in the stage.
+    """
+
+    def __init__(self, path: Path, particles: Particles, frame: StageFrame) -> None:
+        self.path = path
+        self._stage = Usd.Stage.Open(str(path))
+        self._content, self._saves = path.stat().st_size, 0
+        self._ranges = [(int(first), int(last)) for first, last in particles.ranges]
+        self._elastic = particles.elastic_bodies
+        self._widths = [_width(particles, bounds, frame) for bounds in self._ranges]
+        self._scenery = Scenery(self._stage, frame)
+        self._points = [UsdGeom.Points(self._stage.GetPrimAtPath(f"{ROOT}/{name}")) for name in particles.names]
+        for points, (first, last) in zip(self._points, self._ranges, strict=True):
+            for code in points.GetExtentAttr().GetTimeSamples() if last > first else ():
+                self._scenery.enclose(np.array(points.GetExtentAttr().Get(code)))
+
+    @classmethod
+    def create(cls, path: Path, particles: Particles, frame: StageFrame, *, frame_rate: float) -> PointsFile:
+        """Make a file without frames; `frame_rate` is in frames per simulated second [1/s]."""
+        stage = Usd.Stage.CreateNew(str(path))
+        _define_stage(stage, frame, frame_rate)
+        for index in range(len(particles.names)):
+            _define_body(stage, particles, index, frame)
+        for name in walls_in_the_way(particles, frame):
+            # a guide is shown on request; what it would hide is what one wants to see
+            UsdGeom.Imageable(stage.GetPrimAtPath(f"{ROOT}/{name}")).CreatePurposeAttr(UsdGeom.Tokens.guide)
+        stage.GetRootLayer().Save()
+        return cls(path, particles, frame)
+
+    def describe(self, provenance: Mapping[str, str | float | int]) -> None:
+        """Note in the layer's customLayerData where the result comes from."""
+        self._stage.GetRootLayer().customLayerData = dict(provenance)
+
+    def write(self, code: float, values: Mapping[str, np.ndarray]) -> None:
+        """Set the quantities at a time code; all particles, float32, shape [n] or [n, 3], or float64, [n, 3, 3].
+
+        The outputs are of elastic bodies: walls and fluids have no stress of their own.
+        """
+        for index, (first, last) in enumerate(self._ranges):
+            own = {name: value[first:last] for name, value in values.items() if self._has(index, name)}
+            self._write_body(index, code, own)
+            self._content += sum(value.nbytes for value in own.values())
+        if not self._stage.HasAuthoredTimeCodeRange():
+            self._stage.SetStartTimeCode(code)
+        self._stage.SetEndTimeCode(code)
+
+    def save(self) -> None:
+        """Save in place.
+
+        Raises:
+            RunError: The file cannot be written.
+        """
+        try:
+            saved = self._stage.GetRootLayer().Save()
+        except Tf.ErrorException as error:
+            # USD makes a folder anew that somebody has removed; one that holds nothing is such a one
+            with contextlib.suppress(OSError):
+                self.path.parent.rmdir()
+            raise RunError(f"{self.path}: cannot be written: {_first_words(error)}") from error
+        if not saved:
+            raise RunError(f"{self.path}: cannot be written")
+        self._saves += 1
+        if self.path.stat().st_size > (1.0 + MOST_WASTE) * self._content + LEAST_WASTE:
+            self.compact()
+        elif self._saves % SAVES_KEPT == 0:
+            self._stage.GetRootLayer().Reload(True)
+
+    def compact(self) -> None:
+        """Write the file anew, without what earlier saves have left in it; it stays as it is where that fails."""
+        layer, temporary = self._stage.GetRootLayer(), self.path.with_suffix(".whole.usdc")
+        try:
+            if layer.Export(str(temporary)):
+                os.replace(temporary, self.path)
+                layer.Reload(True)
+        except (OSError, Tf.ErrorException):
+            # as on a full disk; the next save will say so
+            pass
+        temporary.unlink(missing_ok=True)
+        self._content = self.path.stat().st_size
+
+    def _has(self, index: int, name: str) -> bool:
+        """Whether a body, wall or fluid has a quantity."""
+        return index < self._elastic or name not in OUTPUTS
+
+    def _write_body(self, index: int, code: float, values: Mapping[str, np.ndarray]) -> None:
+        points = self._points[index]
+        points.GetPointsAttr().Set(Vt.Vec3fArray.FromNumpy(values["points"]), code)
+        points.GetVelocitiesAttr().Set(Vt.Vec3fArray.FromNumpy(values["velocities"]), code)
+        box = extent(values["points"], self._widths[index])
+        points.GetExtentAttr().Set(Vt.Vec3fArray.FromNumpy(box), code)
+        if len(values["points"]):
+            self._scenery.enclose(box)
+        for name, value in values.items():
+            if name not in ("points", "velocities"):
+                _set_primvar(points, name, value, code)
+
+
+def _first_words(error: Exception) -> str:
+    """What the first of the errors says; the others follow from it, and all come with places in USD's source."""
+    text = " ".join(str(error).split())
+    found = re.search(r" : '(.*?)'( Error in '|$)", text)
+    return found[1] if found else text
+
+
+def extent(points: np.ndarray, width: float) -> np.ndarray:
+    """Corners of the box around points [n, 3] that are `width` wide, shape [2, 3]."""
+    if len(points) == 0:
+        return np.zeros((2, 3), dtype=np.float32)
+    return np.stack([points.min(axis=0) - width / 2, points.max(axis=0) + width / 2]).astype(np.float32)
+
+
+def open_until(path: Path, particles: Particles, last_code: float) -> Any:
+    """Open an earlier result as a layer detached from its file, without the samples after a time code.
+
+    Raises:
+        InputError: There is no such file, it is not a result of these particles, or it has no sample at that time code.
+    """
+    if not path.exists():
+        raise InputError(str(path), "", "is missing, so the run cannot be continued; start a new run")
+    try:
+        layer = Sdf.Layer.OpenAsAnonymous(str(path))
+    except Tf.ErrorException:
+        layer = None
+    if layer is None or not layer.GetPrimAtPath(ROOT):
+        raise InputError(str(path), "", "is not a result that can be continued; start a new run")
+    if not _holds(layer, particles):
+        raise InputError(str(path), "", "holds other particles than this case; start a new run")
+    codes = layer.ListAllTimeSamples()
+    kept = [code for code in codes if code <= last_code]
+    if last_code not in kept:
+        raise InputError(str(path), "", f"lacks the frame at time code {last_code:g} to continue from; start a new run")
+    for code in codes[len(kept) :]:
+        _erase(layer, code)
+    layer.endTimeCode = last_code
+    return layer
+
+
+def _holds(layer: Any, particles: Particles) -> bool:
+    """Whether a layer's bodies and ids are those of the particles."""
+    for name, (first, last) in zip(particles.names, particles.ranges, strict=True):
+        ids = layer.GetAttributeAtPath(f"{ROOT}/{name}.ids")
+        if ids is None or not np.array_equal(np.asarray(ids.default), particles.ids[first:last]):
+            return False
+    return len(layer.GetPrimAtPath(ROOT).nameChildren) == len(particles.names)
+
+
+def _erase(layer: Any, code: float) -> None:
+    for body in layer.GetPrimAtPath(ROOT).nameChildren:
+        for attribute in body.attributes:
+            layer.EraseTimeSample(attribute.path, code)
+
+
+def _define_stage(stage: Any, frame: StageFrame, frame_rate: float) -> None:
+    stage.SetDefaultPrim(UsdGeom.Xform.Define(stage, ROOT).GetPrim())
+    UsdGeom.SetStageUpAxis(stage, frame.up_axis)
+    UsdGeom.SetStageMetersPerUnit(stage, frame.meters_per_unit)
+    UsdPhysics.SetStageKilogramsPerUnit(stage, frame.kilograms_per_unit)
+    # Velocities are per second of stage time, so a second of stage time must be a second of the simulation:
+    # timeCodesPerSecond ties the two. framesPerSecond only says how fast a player steps through the time codes;
+    # at no more than 30 a second, the thousands of frames of a fast event are seen in slow motion.
+    stage.SetTimeCodesPerSecond(frame_rate)
+    stage.SetFramesPerSecond(min(frame_rate, PLAYBACK_RATE))
+
+
+def _define_body(stage: Any, particles: Particles, index: int, frame: StageFrame) -> None:
+    first, last = (int(bound) for bound in particles.ranges[index])
+    points = UsdGeom.Points.Define(stage, f"{ROOT}/{particles.names[index]}")
+    points.CreateIdsAttr(Vt.Int64Array.FromNumpy(particles.ids[first:last].astype(np.int64)))
+    width = _width(particles, (first, last), frame)
+    points.CreateWidthsAttr(Vt.FloatArray.FromNumpy(np.full(last - first, width, dtype=np.float32)))
+    points.SetWidthsInterpolation(UsdGeom.Tokens.vertex)
+    role = "body"
+    if index >= particles.elastic_bodies:
+        role = "fluid" if first >= particles.count - particles.liquid else "wall"
+    color = {"body": PALETTE[index % len(PALETTE)], "fluid": LIQUID_COLOR, "wall": WALL_COLOR}[role]
+    points.GetPrim().SetCustomDataByKey("role", role)
+    paint(points, role, color)
+    for create in (points.CreatePointsAttr, points.CreateVelocitiesAttr, points.CreateExtentAttr):
+        create()
+
+
+def _width(particles: Particles, bounds: tuple[int, int], frame: StageFrame) -> float:
+    """Width of the particles of a body in the stage's units: their spacing."""
+    first, last = bounds
+    return float(particles.spacings[first] / frame.meters_per_unit) if last > first else 0.0
+
+
+def _set_primvar(points: Any, name: str, value: np.ndarray, code: float) -> None:
+    types = Sdf.ValueTypeNames
+    kinds = {1: (types.FloatArray, Vt.FloatArray), 2: (types.Vector3fArray, Vt.Vec3fArray)}
+    # USD has no matrix of single precision
+    kind, arrays = kinds.get(value.ndim, (types.Matrix3dArray, Vt.Matrix3dArray))
+    array = arrays.FromNumpy(value)
+    UsdGeom.PrimvarsAPI(points).CreatePrimvar(name, kind, UsdGeom.Tokens.vertex).Set(array, code)

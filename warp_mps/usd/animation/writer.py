@@ -1,0 +1,169 @@
+"""Results as an animation: one `UsdGeom.Points` a body in one ``.usdc`` file, readable after every frame."""
+
+from __future__ import annotations
+
+import os
+import shutil
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from warp_mps.errors import InputError
+from warp_mps.particles.filling import Particles
+from warp_mps.usd.animation.points_file import PointsFile, open_until
+
+if TYPE_CHECKING:
+    from warp_mps.scene import StageFrame
+
+
+def to_stage_axes(values: np.ndarray, frame: StageFrame) -> np.ndarray:
+    """Turn vectors of the scene [n, dimension] into vectors along the stage's axes, float32, shape [n, 3]."""
+    columns = ["xyz".index(axis) for axis in frame.axes]
+    mapped = np.zeros((len(values), 3), dtype=np.float32)
+    mapped[:, columns] = values
+    return mapped
+
+
+def tensors_to_stage_axes(values: np.ndarray, frame: StageFrame) -> np.ndarray:
+    """Turn symmetric tensors [n, 3, 3] along the scene's axes, the third a plane's normal, to those of the stage.
+
+    Which way the normal points does not matter: there is no shear across the plane.
+    """
+    axes = ["xyz".index(axis) for axis in frame.axes]
+    axes += [axis for axis in range(3) if axis not in axes]
+    mapped = np.zeros_like(values)
+    mapped[:, np.array(axes)[:, None], axes] = values
+    return mapped
+
+
+class AnimationWriter:
+    """Writes the particles of a run, frame by frame, so that the file can be opened whenever the writer dies.
+
+    `Save` of a ``.usdc`` layer works in place: it overwrites the tables at the end of the file before it points the
+    header at the new ones, and a process killed in between leaves a file that does not open. So two hidden copies
+    beside the file take turns, and the file's own name is a hard link to the one that was completed last. A frame
+    costs two saves, whatever the number of frames before it.
+
+    Points, velocities, extents and widths are in the stage's axes and units; primvars are in SI units.
+
+    Args:
+        path: File to write, ending in ``.usdc``; the first frame replaces an existing one.
+        particles: Particles of the scene.
+        frame: How the scene lies in its stage.
+        frame_rate: Frames per simulated second [1/s].
+        provenance: Where the result comes from; goes into the layer's customLayerData.
+        primvars: Names of further quantities that :meth:`write` is given.
+
+    Raises:
+        InputError: The path does not end in ``.usdc``.
+    """
+
+    def __init__(
+        self,
+        path: str | Path,
+        particles: Particles,
+        frame: StageFrame,
+        *,
+        frame_rate: float,
+        provenance: Mapping[str, str | float | int],
+        primvars: Sequence[str] = (),
+    ) -> None:
+        self._setup(path, frame, frame_rate, primvars)
+        self._copies = [PointsFile.create(name, particles, frame, frame_rate=frame_rate) for name in self._names]
+        for copy in self._copies:
+            copy.describe(provenance)
+
+    @classmethod
+    def resume(
+        cls,
+        path: str | Path,
+        particles: Particles,
+        frame: StageFrame,
+        *,
+        frame_rate: float,
+        provenance: Mapping[str, str | float | int],
+        primvars: Sequence[str] = (),
+        after: float,
+    ) -> AnimationWriter:
+        """Continue the file of an earlier run, without its samples later than `after` [s].
+
+        Raises:
+            InputError: There is no such file, or it holds other particles.
+        """
+        writer = cls.__new__(cls)
+        writer._setup(path, frame, frame_rate, primvars)
+        layer = open_until(writer._path, particles, writer._code(after))
+        for name in writer._names:
+            layer.Export(str(name))
+        writer._copies = [PointsFile(name, particles, frame) for name in writer._names]
+        for copy in writer._copies:
+            copy.describe(provenance)
+            copy.save()
+            writer._publish(copy.path)
+        return writer
+
+    def _setup(self, path: str | Path, frame: StageFrame, frame_rate: float, primvars: Sequence[str]) -> None:
+        self._path = Path(path)
+        if self._path.suffix != ".usdc":
+            raise InputError(str(path), "", "an animation is written as .usdc; give a name that ends so")
+        self._frame, self._rate, self._primvars = frame, frame_rate, tuple(primvars)
+        self._names = [self._path.with_name(f".{self._path.stem}.{letter}.usdc") for letter in "ab"]
+        self._path.parent.mkdir(parents=True, exist_ok=True)
+        self._remove_copies()
+
+    def write(self, time: float, positions: np.ndarray, velocities: np.ndarray, **primvars: np.ndarray) -> None:
+        """Add a frame and save it.
+
+        Args:
+            time: Simulated time [s].
+            positions: Positions [m], shape [n, dimension].
+            velocities: Velocities [m/s], shape [n, dimension].
+            primvars: The quantities named at construction, shape [n], [n, 1], [n, dimension] or [n, 3, 3].
+
+        Raises:
+            RunError: The file cannot be written.
+        """
+        if set(primvars) != set(self._primvars):
+            raise ValueError(f"primvars are {sorted(self._primvars)}, not {sorted(primvars)}")
+        unit = self._frame.meters_per_unit
+        values = {name: self._primvar(value) for name, value in primvars.items()}
+        values["points"] = to_stage_axes(positions / unit, self._frame)
+        values["velocities"] = to_stage_axes(velocities / unit, self._frame)
+        for copy in self._copies:
+            copy.write(self._code(time), values)
+            copy.save()
+            self._publish(copy.path)
+
+    def close(self) -> None:
+        """Remove the hidden copies; the file itself is complete after every frame."""
+        self._copies = []
+        self._remove_copies()
+
+    def _code(self, time: float) -> float:
+        # Rounding puts frame k at time code k exactly where the steps of the clock add up to k / frame_rate.
+        return round(time * self._rate, 6)
+
+    def _primvar(self, value: np.ndarray) -> np.ndarray:
+        if value.ndim == 3:
+            return tensors_to_stage_axes(value, self._frame)
+        if value.ndim == 2 and value.shape[1] > 1:
+            return to_stage_axes(value, self._frame)
+        return value.reshape(-1).astype(np.float32)
+
+    def _publish(self, source: Path) -> None:
+        """Give the file's own name to a complete copy, in one atomic step."""
+        temporary = source.with_suffix(".new")
+        temporary.unlink(missing_ok=True)
+        try:
+            os.link(source, temporary)
+        except OSError:  # a file system without hard links
+            shutil.copyfile(source, temporary)
+        os.replace(temporary, self._path)
+
+    def _remove_copies(self) -> None:
+        for name in self._names:
+            name.unlink(missing_ok=True)
+            name.with_suffix(".new").unlink(missing_ok=True)
+            name.with_suffix(".whole.usdc").unlink(missing_ok=True)

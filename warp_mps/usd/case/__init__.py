@@ -1,0 +1,1 @@
+"""Cases as USD stages: read, checked and saved."""

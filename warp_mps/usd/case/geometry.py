@@ -1,0 +1,175 @@
+"""Prims with a geometry, as shapes in the scene's coordinates."""
+
+from __future__ import annotations
+
+import numpy as np
+from pxr import Tf, Usd, UsdGeom
+
+from warp_mps.errors import InputError
+from warp_mps.scene.validation.rules import LARGEST
+from warp_mps.shapes import Box, Cylinder, Mesh, Points, Shape, Sphere
+from warp_mps.shapes.lattice import rigid_axes
+from warp_mps.usd.case.attributes import stage_error
+from warp_mps.usd.case.frame import Frame
+from warp_mps.usd.case.layers import reason_of
+from warp_mps.usd.case.values import typed
+
+KINDS = ("Cube", "Sphere", "Cylinder", "Mesh", "Points")
+
+
+def has_shape(prim: Usd.Prim) -> bool:
+    """Whether a prim is a geometry, one that can be read or not."""
+    return bool(prim.IsA(UsdGeom.Gprim))
+
+
+def world_matrix(prim: Usd.Prim) -> np.ndarray:
+    """Matrix from a prim's coordinates to the stage's, columns are the images of its axes, shape [4, 4].
+
+    Raises:
+        InputError: It cannot be read, or varies in time, which a case does by motions, not by transforms.
+    """
+    ancestor = prim
+    while ancestor:
+        transform = UsdGeom.Xformable(ancestor)
+        try:
+            varies = transform and transform.TransformMightBeTimeVarying()
+            matrix = np.array(transform.GetLocalTransformation() if transform else np.eye(4))
+        except Tf.ErrorException as error:
+            raise InputError(str(ancestor.GetPath()), "xformOpOrder", f"cannot be read: {reason_of(error)}") from None
+        if varies:
+            reason = "varies in time; a support or a wall moves by mps:motion:amplitude or mps:motion:times"
+            raise InputError(str(ancestor.GetPath()), "xformOpOrder", reason)
+        if not np.abs(matrix).max() <= LARGEST:
+            reason = f"makes a matrix that is not finite, or above {LARGEST:g}"
+            raise InputError(str(ancestor.GetPath()), "xformOpOrder", reason)
+        ancestor = ancestor.GetParent()
+    return np.array(UsdGeom.XformCache(Usd.TimeCode.Default()).GetLocalToWorldTransform(prim)).T
+
+
+def read_shape(prim: Usd.Prim, frame: Frame, inner_radius: float = 0.0) -> Shape:
+    """Shape of a prim.
+
+    Args:
+        prim: A prim of one of `KINDS`.
+        frame: Units and axes.
+        inner_radius: Radius of the bore of a cylinder [m].
+
+    Returns:
+        The shape, in metres and in the scene's coordinates.
+
+    Raises:
+        InputError: It is of another type, or its numbers are impossible.
+    """
+    path, kind = str(prim.GetPath()), str(prim.GetTypeName())
+    if kind not in KINDS:
+        raise InputError(path, "", f"is {kind or 'a prim without a type'}, must be one of: {', '.join(KINDS)}")
+    placement = frame.placement(world_matrix(prim))
+    if not np.isfinite(placement).all() or abs(np.linalg.det(placement[:3, :3])) < 1e-300:
+        raise InputError(path, "xformOpOrder", "the transform flattens the shape: no scale may be zero")
+    try:
+        if kind == "Cylinder":
+            return _cylinder(UsdGeom.Cylinder(prim), frame, placement, inner_radius)
+        if inner_radius > 0:
+            raise InputError(path, "mps:innerRadius", f"is of a Cylinder, not of a {kind}")
+        return _READERS[kind](prim, frame, placement)
+    except InputError as error:
+        said = stage_error(error, frame.stage)
+        raise InputError(path, said.attribute, said.reason) from None
+
+
+def _box(prim: Usd.Prim, frame: Frame, placement: np.ndarray) -> Shape:
+    size = typed(UsdGeom.Cube(prim).GetSizeAttr(), "double") * frame.stage.meters_per_unit
+    axes = rigid_axes(placement[:3, :3])
+    if axes is None:
+        return Box((size, size, size), placement=placement)
+    lengths = tuple((size * np.linalg.norm(placement[:3, :3], axis=0)).tolist())
+    center, rest = _rigid(axes, placement)
+    return Box(lengths, center, placement=rest)
+
+
+def _sphere(prim: Usd.Prim, frame: Frame, placement: np.ndarray) -> Shape:
+    radius = typed(UsdGeom.Sphere(prim).GetRadiusAttr(), "double") * frame.stage.meters_per_unit
+    axes, scales = rigid_axes(placement[:3, :3]), np.linalg.norm(placement[:3, :3], axis=0)
+    if axes is None or not np.allclose(scales, scales[0], rtol=1e-9):
+        return Sphere(radius, placement=placement)
+    center, rest = _rigid(axes, placement)
+    return Sphere(radius * scales[0].item(), center, placement=rest)
+
+
+def _cylinder(prim: UsdGeom.Cylinder, frame: Frame, placement: np.ndarray, inner_radius: float) -> Shape:
+    unit, axis = frame.stage.meters_per_unit, typed(prim.GetAxisAttr(), "token").lower()
+    if axis not in ("x", "y", "z"):
+        raise InputError("", "axis", f"is {axis!r}, must be X, Y or Z")
+    radius, height = (typed(item, "double") * unit for item in (prim.GetRadiusAttr(), prim.GetHeightAttr()))
+    axes, scales = rigid_axes(placement[:3, :3]), np.linalg.norm(placement[:3, :3], axis=0)
+    along = "xyz".index(axis)
+    across = np.delete(scales, along)
+    if axes is None or not np.allclose(across, across[0], rtol=1e-9):
+        return Cylinder(radius, height, axis, inner_radius=inner_radius, placement=placement)
+    center, rest = _rigid(axes, placement)
+    wide, long = across[0].item(), scales[along].item()
+    return Cylinder(radius * wide, height * long, axis, center, inner_radius * wide, placement=rest)
+
+
+def _mesh(prim: Usd.Prim, frame: Frame, placement: np.ndarray) -> Shape:
+    mesh, path = UsdGeom.Mesh(prim), str(prim.GetPath())
+    points, counts, indices = (
+        _array(attribute, kind)
+        for attribute, kind in (
+            (mesh.GetPointsAttr(), "point3f[]"),
+            (mesh.GetFaceVertexCountsAttr(), "int[]"),
+            (mesh.GetFaceVertexIndicesAttr(), "int[]"),
+        )
+    )
+    if not len(points) or not len(counts):
+        raise InputError(path, "points" if not len(points) else "faceVertexCounts", "is empty")
+    if counts.min() < 3 or counts.sum() != len(indices):
+        reason = f"must be at least 3 a face and {len(indices)} in sum, the length of faceVertexIndices"
+        raise InputError(path, "faceVertexCounts", reason)
+    if indices.min() < 0 or indices.max() >= len(points):
+        raise InputError(path, "faceVertexIndices", f"must be from 0 to {len(points) - 1}, the last of the points")
+    metres = points * frame.stage.meters_per_unit
+    return Mesh(
+        metres,
+        _fans(counts.astype(int), indices.astype(int)),
+        placement=None if np.array_equal(placement, np.eye(4)) else placement,
+    )
+
+
+def _points(prim: Usd.Prim, frame: Frame, placement: np.ndarray) -> Shape:
+    points = UsdGeom.Points(prim)
+    positions, velocities = (
+        _array(attribute, kind).reshape(-1, 3) * frame.stage.meters_per_unit
+        for attribute, kind in ((points.GetPointsAttr(), "point3f[]"), (points.GetVelocitiesAttr(), "vector3f[]"))
+    )
+    if not len(positions):
+        raise InputError(str(prim.GetPath()), "points", "is empty")
+    turned = velocities @ placement[:3, :3].T
+    if frame.dimension == 2 and len(turned) and abs(turned[:, 2]).max() > 1e-6 * abs(turned).max():
+        reason = f"must lie in the plane {frame.stage.axes} of this 2-D scene"
+        raise InputError(str(prim.GetPath()), "velocities", reason)
+    return Points(positions @ placement[:3, :3].T + placement[:3, 3], turned if len(turned) else None)
+
+
+def _array(attribute: Usd.Attribute, kind: str) -> np.ndarray:
+    """An array that need not be given."""
+    return typed(attribute, kind) if attribute.HasAuthoredValue() else np.zeros(0)
+
+
+def _rigid(axes: np.ndarray, placement: np.ndarray) -> tuple[tuple[float, ...], np.ndarray | None]:
+    """Centre and placement of a shape that is symmetric about its axes, once its scale is in its lengths."""
+    if np.allclose(np.abs(axes), np.eye(3), atol=1e-12):
+        return tuple(placement[:3, 3].tolist()), None
+    rest = np.eye(4)
+    rest[:3, :3], rest[:3, 3] = axes, placement[:3, 3]
+    return (0.0, 0.0, 0.0), rest
+
+
+def _fans(counts: np.ndarray, indices: np.ndarray) -> np.ndarray:
+    """Triangles of polygons, each a fan about its first vertex, shape [m, 3]."""
+    firsts = np.repeat(np.cumsum(counts) - counts, counts - 2)
+    within = np.arange(len(firsts)) - np.repeat(np.cumsum(counts - 2) - (counts - 2), counts - 2)
+    return indices[np.stack([firsts, firsts + within + 1, firsts + within + 2], axis=1)]
+
+
+_READERS = {"Cube": _box, "Sphere": _sphere, "Mesh": _mesh, "Points": _points}

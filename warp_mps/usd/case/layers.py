@@ -1,0 +1,182 @@
+"""The files that a stage is made of, looked at before USD composes them.
+
+A stage may come from anywhere. What it refers to must lie beside it, for a stage that reads other files of the user is
+a surprise. USD's readers recurse, and trust the tables of binary files: nesting is counted first, and a stage that is
+binary, or composed of many parts, is opened in a process of its own before this one does
+(`warp_mps.usd.case.trial`), which takes some tenths of a second.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import stat
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+
+import numpy as np
+from pxr import Ar, Sdf, Tf
+
+from warp_mps.errors import InputError
+from warp_mps.usd.case.trial import try_stage
+
+# brackets in each other: USD's reader fails beyond some 1e4
+DEEPEST = 500
+# arcs of composition that cannot multiply to more than some hundred copies
+FEW = 16
+# of a .usda file: what is neither a string, an asset path nor a comment
+_CODE = re.compile(
+    rb'([^"\'@#/]+|/(?![/*]))|"""(?:[^\\]|\\.)*?"""|\'\'\'(?:[^\\]|\\.)*?\'\'\'|"(?:[^\\\n"]|\\.)*"|\'(?:[^\\\n\']|\\.)*\''
+    rb"|@@@.*?@@@|@[^@\n]*@|#[^\n]*|//[^\n]*|/\*.*?\*/|.",
+    re.DOTALL,
+)
+_NO_BRACKETS = bytes({*range(256)} - {*b"([{}])"})
+# a scheme, as of http://, but not the letter of a drive
+_SCHEME = re.compile(r"[A-Za-z][A-Za-z0-9+.-]+:")
+
+
+def check_layers(path: str | Path, *, allow_external: bool, tried: bool = False) -> list[Sdf.Layer]:
+    """Open every file that a stage is made of.
+
+    Args:
+        path: File of the stage.
+        allow_external: Whether it may refer to files outside its folder.
+        tried: Whether it is known that USD survives it.
+
+    Returns:
+        The layers; the first is the stage's own.
+
+    Raises:
+        InputError: It refers to a file outside its folder, a file is none that USD can be given, or USD fails on it.
+    """
+    home = Path(os.path.abspath(path)).parent.resolve()
+    waiting, seen, layers, arcs = [str(path)], set[str](), list[Sdf.Layer](), 0
+    while waiting:
+        file = waiting.pop()
+        real = os.path.realpath(file)
+        if real in seen:
+            continue
+        seen.add(real)
+        if _is_binary(file) and not tried:
+            try_stage(path, allow_external=allow_external)
+            tried = True
+        layers.append(_open(file))
+        places = _arcs(layers[-1])
+        arcs += len(places)
+        waiting.extend(_dependencies(layers[-1], dict(places), home, allow_external))
+    if arcs > FEW and not tried:
+        try_stage(path, allow_external=allow_external)
+    return layers
+
+
+def _arcs(layer: Sdf.Layer) -> list[tuple[str, tuple[str, str]]]:
+    """What a layer is composed of: each asset, empty for what is in the layer itself, with its place and field.
+
+    Raises:
+        InputError: It has value clips, which hold values that vary in time in further files.
+    """
+    found = [(asset, (layer.identifier, "subLayers")) for asset in layer.subLayerPaths]
+
+    def look(path: Sdf.Path) -> None:
+        prim, where = layer.GetPrimAtPath(path), str(path.StripAllVariantSelections())
+        if not prim:
+            return  # an attribute, or a set of variants
+        if prim.HasInfo("clips"):
+            raise InputError(where, "clips", "cannot be used: no attribute of a case may vary in time")
+        for name in ("references", "payload", "inheritPaths", "specializes"):
+            if prim.HasInfo(name):
+                items = prim.GetInfo(name).GetAddedOrExplicitItems()
+                found.extend((getattr(item, "assetPath", ""), (where, name)) for item in items)
+
+    layer.Traverse("/", look)
+    return found
+
+
+def _dependencies(
+    layer: Sdf.Layer, places: Mapping[str, tuple[str, str]], home: Path, allow_external: bool
+) -> Iterator[str]:
+    """Files that a layer refers to, as far as they are there: what is missing, USD says."""
+    for asset in layer.GetCompositionAssetDependencies():
+        if not asset:
+            continue
+        where, field = places.get(asset, (layer.identifier, ""))
+        if asset.startswith("`") or _SCHEME.match(asset):
+            raise InputError(where, field, f"leads to @{asset}@, which is no path of a file")
+        identifier = Sdf.ComputeAssetPathRelativeToLayer(layer, asset)
+        found = Ar.GetResolver().Resolve(identifier).GetPathString()
+        file = Ar.SplitPackageRelativePathOuter(found or identifier)[0]
+        if not allow_external and (found or os.path.isabs(file)) and not _within(file, home):
+            reason = f"leads to @{asset}@, outside the folder of the stage; allow it by --allow-external"
+            raise InputError(where, field, reason)
+        if found:
+            yield found
+
+
+def _within(file: str, home: Path) -> bool:
+    """Whether a file lies in a folder or below, wherever links lead."""
+    return Path(os.path.realpath(file)).is_relative_to(home)
+
+
+def _open(file: str) -> Sdf.Layer:
+    """The layer of a file as it is now, which USD may hold in an earlier state.
+
+    Raises:
+        InputError: USD cannot read it.
+    """
+    try:
+        layer = Sdf.Layer.FindOrOpen(file)
+        if layer:
+            layer.Reload()
+    except (Tf.ErrorException, UnicodeDecodeError) as error:
+        # of a damaged file, what USD says need not be a text
+        raise InputError(file, "", f"is not a USD stage that can be read: {reason_of(error)}") from None
+    if not layer:
+        raise InputError(file, "", "is not a USD stage that can be read: unknown format")
+    return layer
+
+
+def _is_binary(file: str) -> bool:
+    """Whether a file is binary, or in a package that may hold such.
+
+    Raises:
+        InputError: It is no file, empty, not UTF-8, or nested too deep.
+    """
+    if Ar.IsPackageRelativePath(file):
+        return True
+    try:
+        # what is no file may never end
+        if not stat.S_ISREG(os.stat(file).st_mode):
+            raise InputError(file, "", "is not a file")
+        with open(file, "rb") as stream:
+            data = stream.read(5)
+            if data != b"#usda":
+                if not data:
+                    raise InputError(file, "", "is not a USD stage that can be read: it is empty")
+                return True
+            data += stream.read()
+    except OSError as error:
+        raise InputError(file, "", f"cannot be read: {error.strerror}") from None
+    try:
+        data.decode("utf-8")
+    except UnicodeDecodeError as error:
+        line = data.count(b"\n", 0, error.start) + 1
+        raise InputError(file, "", f"is not a USD stage that can be read: line {line} is not UTF-8") from None
+    code = b"".join(_CODE.findall(data))
+    if _depth(code) > DEEPEST:
+        raise InputError(file, "", f"is not a USD stage that can be read: more than {DEEPEST} brackets in each other")
+    return False
+
+
+def _depth(code: bytes) -> int:
+    """The most brackets that are in each other."""
+    brackets = np.frombuffer(code.translate(None, _NO_BRACKETS), np.uint8)
+    steps = np.where(np.isin(brackets, np.frombuffer(b"([{", np.uint8)), 1, -1)
+    heights = np.cumsum(np.append(0, steps))
+    return int((heights - np.minimum.accumulate(heights)).max())
+
+
+def reason_of(error: Exception) -> str:
+    """The message among the frames that USD reports, with the line of the file for its path."""
+    text = " ".join(str(error).split()).partition(" : ")[2].strip("' ")
+    text = re.sub(r"^\S*:(\d+):\d+: ", r"line \1: ", text)
+    return text or "it is damaged"

@@ -1,0 +1,186 @@
+"""The smaller parts of a stage: its units and axes, gravity, names, motions."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from pxr import Usd, UsdGeom, UsdPhysics
+
+from warp_mps.errors import InputError
+from warp_mps.scene import (
+    VELOCITY_FIELD_PARTS,
+    Flow,
+    HarmonicMotion,
+    HarmonicRotation,
+    StageFrame,
+    TableMotion,
+    TableRotation,
+    VelocityField,
+)
+from warp_mps.usd.case.attributes import ROLE, ROLES, TABLE
+from warp_mps.usd.case.frame import Frame
+from warp_mps.usd.case.geometry import world_matrix
+from warp_mps.usd.case.values import Values, shortest, typed
+
+EARTH_GRAVITY = 9.81
+# of a unit of length [m] or mass [kg]: from below an atom's to beyond a galaxy's
+LARGEST_UNIT = 1e30
+
+
+def physics_scene(prims: list[Usd.Prim], path: str) -> Usd.Prim:
+    """The one prim that says how the scene is run."""
+    found = [prim for prim in prims if prim.IsA(UsdPhysics.Scene)]
+    if len(found) != 1:
+        names = ", ".join(str(prim.GetPath()) for prim in found)
+        reason = f"there is more than one PhysicsScene prim: {names}" if found else "there is no PhysicsScene prim"
+        raise InputError(path, "", reason)
+    return found[0]
+
+
+def by_role(prims: list[Usd.Prim]) -> dict[str, list[Usd.Prim]]:
+    """The prims of each role."""
+    parts: dict[str, list[Usd.Prim]] = {role: [] for role in ROLES}
+    for prim in prims:
+        attribute = prim.GetAttribute(ROLE)
+        if not attribute or not attribute.HasAuthoredValue():
+            continue
+        role = attribute.Get()
+        if role not in parts:
+            raise InputError(str(prim.GetPath()), ROLE, f"is {role!r}, must be one of: {', '.join(ROLES)}")
+        parts[role].append(prim)
+    return parts
+
+
+def unique_names(prims: list[Usd.Prim]) -> dict[str, str]:
+    """Name of each path: the prim's, or where two are equal, the whole path's."""
+    short = [prim.GetName() for prim in prims]
+    names: dict[str, str] = {}
+    for prim in prims:
+        path = str(prim.GetPath())
+        name = prim.GetName() if short.count(prim.GetName()) == 1 else path.strip("/").replace("/", "_")
+        while name in names.values() or (name != prim.GetName() and name in short):
+            name += "_"
+        names[path] = name
+    return names
+
+
+def frame(stage: Usd.Stage, physics: Usd.Prim) -> Frame:
+    """Units and axes, and in 2-D the plane: by default the one that the up axis lies in."""
+    up_axis = str(UsdGeom.GetStageUpAxis(stage))
+    if up_axis not in ("Y", "Z"):
+        raise InputError("/", "upAxis", f"is {up_axis!r}, must be Y or Z")
+    first = Values(physics, "scene", Frame(StageFrame(axes="xyz"), 3))
+    dimension = int(first.get("mps:dimension") or TABLE["scene"]["mps:dimension"].default)
+    plane = first.get("mps:plane") or ("xy" if up_axis == "Y" else "xz")
+    units = {"metersPerUnit": UsdGeom.GetStageMetersPerUnit(stage)}
+    units["kilogramsPerUnit"] = UsdPhysics.GetStageKilogramsPerUnit(stage)
+    for name, value in units.items():
+        if not np.isfinite(value) or value <= 0:
+            raise InputError("/", name, f"is {value:g}, must be finite and above 0")
+        if not 1.0 / LARGEST_UNIT <= value <= LARGEST_UNIT:
+            reason = f"is {value:g}, must be between {1.0 / LARGEST_UNIT:g} and {LARGEST_UNIT:g}"
+            raise InputError("/", name, reason)
+    axes = plane if dimension == 2 else "xyz"
+    length, mass = units.values()
+    return Frame(StageFrame(axes=axes, up_axis=up_axis, meters_per_unit=length, kilograms_per_unit=mass), dimension)
+
+
+def gravity(stage: Usd.Stage, physics: Usd.Prim, frame: Frame) -> tuple[float, ...]:
+    """Gravity by the rules of UsdPhysics: a zero direction is down, a negative magnitude is that of the Earth."""
+    row, path = TABLE["scene"]["physics:gravityMagnitude"], str(physics.GetPath())
+    given = UsdPhysics.Scene(physics).GetGravityMagnitudeAttr()
+    # the default is minus infinity
+    magnitude = typed(given, row.kind) if given.HasAuthoredValue() and given.Get() != -np.inf else -np.inf
+    magnitude = EARTH_GRAVITY / frame.stage.meters_per_unit if magnitude < 0 else magnitude
+    attribute = UsdPhysics.Scene(physics).GetGravityDirectionAttr()
+    direction = np.array([shortest(part) for part in typed(attribute, TABLE["scene"][attribute.GetName()].kind)])
+    if not direction.any():
+        direction = -np.eye(3)["XYZ".index(frame.stage.up_axis)]
+    vector = magnitude * direction / np.linalg.norm(direction)
+    return tuple(frame.vectors_to_scene(vector, row, path).tolist())
+
+
+def scalar_turn(fields: dict[str, Any]) -> dict[str, Any]:
+    """The fields of a body, with the angular velocity of a plane as the number that it is."""
+    turn = fields.get("angular_velocity")
+    return {**fields, "angular_velocity": turn[0]} if turn and len(turn) == 1 else fields
+
+
+def velocity_field(values: Values) -> VelocityField | None:
+    """The velocity that varies along a body, if it has one."""
+    kind = values.get("mps:velocityField")
+    names = ("amplitude", "rate", "axis", "origin", "length", "depth", "mode")
+    if kind is None:
+        return None
+    for part in VELOCITY_FIELD_PARTS[kind]:
+        if not values.given(f"mps:velocityField:{part}"):
+            raise InputError(values.path, f"mps:velocityField:{part}", "is missing: mps:velocityField needs it")
+    return VelocityField(
+        kind=kind, **values.fields(*(f"mps:velocityField:{part}" for part in names), prefix="velocity_field.")
+    )
+
+
+def flow(values: Values) -> Flow:
+    """How fluids are computed."""
+    names = ("fluidScheme", "fluidEffectiveRadius", "negativePressure", "pressureTolerance", "fluidCourant")
+    low, high = (values.get(f"mps:domain{corner}") for corner in ("Low", "High"))
+    for corner, own, other in (("Low", low, high), ("High", high, low)):
+        if own is None and other is not None:
+            raise InputError(values.path, f"mps:domain{corner}", "is missing: a domain has two corners")
+    return Flow(
+        domain=(low, high) if low else None,
+        periodic=values.axes("mps:periodicAxes", values.frame.stage.axes),
+        **values.fields(*(f"mps:{name}" for name in names), prefix="flow."),
+    )
+
+
+def motion(values: Values) -> HarmonicMotion | TableMotion | None:
+    """The prescribed displacement of a support or a wall, if it has one."""
+    harmonic, table = _motion_fields(values, "motion", "displacements")
+    return HarmonicMotion(**harmonic) if harmonic else TableMotion(**table) if table else None
+
+
+def rotation(values: Values) -> HarmonicRotation | TableRotation | None:
+    """The prescribed turn of a wall, if it has one."""
+    harmonic, table = _motion_fields(values, "rotation", "angles")
+    place = values.fields("mps:rotation:pivot", "mps:rotation:axis", prefix="rotation.")
+    given = harmonic or table
+    names = ("pivot",) if values.frame.dimension == 2 else ("pivot", "axis")
+    for part in names if given else ():
+        if part not in place:
+            raise InputError(values.path, f"mps:rotation:{part}", "is missing: the rotation needs it")
+    if place and not given:
+        raise InputError(values.path, "mps:rotation:amplitude", "is missing, and so is a table: nothing turns")
+    if values.frame.dimension == 2 and "axis" in place and given:
+        # in the plane angles are about its normal, and the axis says no more than their sign
+        (along,) = place.pop("axis")
+        if along == 0.0:
+            raise InputError(values.path, "mps:rotation:axis", "has no length")
+        part = "amplitude" if harmonic else "angles"
+        given[part] = given[part] if along > 0.0 else -given[part]
+    return HarmonicRotation(**harmonic, **place) if harmonic else TableRotation(**table, **place) if table else None
+
+
+def _motion_fields(values: Values, kind: str, rows: str) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Fields of a harmonic motion and of a table of which one at most is given, and that one whole."""
+    prefix = f"{kind}."
+    harmonic = values.fields(*(f"mps:{kind}:{part}" for part in ("amplitude", "frequency", "phase")), prefix=prefix)
+    table = values.fields(*(f"mps:{kind}:{part}" for part in ("times", rows, "interpolation")), prefix=prefix)
+    if harmonic and table:
+        reason = f"is given beside a table of {rows}: a {kind} is one or the other"
+        raise InputError(values.path, f"mps:{kind}:amplitude", reason)
+    needed = ("amplitude", "frequency") if harmonic else ("times", rows) if table else ()
+    for part in needed:
+        if part not in {**harmonic, **table}:
+            raise InputError(values.path, f"mps:{kind}:{part}", f"is missing: the {kind} needs it")
+    return harmonic, table
+
+
+def origin(prim: Usd.Prim, frame: Frame) -> tuple[float, ...]:
+    """The world origin of a prim, in the scene."""
+    origin = frame.placement(world_matrix(prim))[:3, 3]
+    if frame.dimension == 2 and abs(origin[2]) > 1e-6 * frame.stage.meters_per_unit:
+        reason = f"the probe lies {abs(origin[2]):g} m out of the plane {frame.stage.axes} of this 2-D scene"
+        raise InputError(str(prim.GetPath()), "xformOpOrder", reason)
+    return tuple(origin[: frame.dimension].tolist())

@@ -1,0 +1,302 @@
+"""Reading a scene from a USD stage: units and axes are settled here, and every error names a prim and an attribute."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from pxr import Tf, Usd, UsdShade
+
+from warp_mps.errors import InputError
+from warp_mps.scene import (
+    Body,
+    Contact,
+    Elasticity,
+    Fluid,
+    Liquid,
+    Load,
+    Material,
+    Measurement,
+    Part,
+    Probe,
+    Scene,
+    Support,
+    Wall,
+)
+from warp_mps.scene.components import component_names
+from warp_mps.shapes import Shape, particle_count
+from warp_mps.usd.case import parts
+from warp_mps.usd.case.attributes import ROLE, stage_error
+from warp_mps.usd.case.geometry import has_shape, read_shape
+from warp_mps.usd.case.layers import reason_of
+from warp_mps.usd.case.opening import open_stage, quiet
+from warp_mps.usd.case.values import Values
+
+# roles of what is filled with particles
+FILLED = ("body", "wall", "fluid")
+
+
+def read_stage(path: str | Path, *, overrides: Mapping[str, str] | None = None, allow_external: bool = False) -> Scene:
+    """Read the scene that a stage describes.
+
+    Args:
+        path: File of the stage.
+        overrides: Texts of attribute values by ``/Prim.attribute`` that replace the stage's own for this reading, in
+            the notation of a .usda file.
+        allow_external: Whether the stage may refer to files outside its folder.
+
+    Returns:
+        The scene, in SI units and its own axes.
+
+    Raises:
+        InputError: Something in the stage is missing or not allowed; it names the prim and the attribute.
+    """
+    stage = open_stage(path, overrides=overrides, allow_external=allow_external)
+    # numbers that are too large for a computer are refused as such wherever they come out
+    with quiet(), np.errstate(all="ignore"):
+        units = None
+        try:
+            reader = _Reader(stage, str(path))
+            units = reader.frame.stage
+            scene = reader.scene(Path(path).stem)
+            for item in scene.filled:
+                _check_lattice(item, scene.dimension)
+        except InputError as error:
+            raise stage_error(error, units) from None
+        except (Tf.ErrorException, UnicodeDecodeError) as error:
+            raise InputError(str(path), "", f"cannot be read: {reason_of(error)}") from None
+    return scene
+
+
+def _check_lattice(body: Body | Wall | Fluid, dimension: int) -> None:
+    """Refuse what cannot be filled with particles, while the stage's words for it are known."""
+    particle_count(body.shape, body.spacing, dimension, body.node_axes, where=body.path)
+
+
+class _Reader:
+    """A stage, its parts by role and the names they take in the scene."""
+
+    def __init__(self, stage: Usd.Stage, path: str) -> None:
+        self.stage = stage
+        prims = list(stage.Traverse(Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)))
+        self.physics = parts.physics_scene(prims, path)
+        self.parts = parts.by_role(prims)
+        if not self.parts["body"] and not self.parts["fluid"]:
+            raise InputError(path, "", f'there is no body and no fluid: no prim has {ROLE} = "body" or "fluid"')
+        self.names = {role: parts.unique_names(prims) for role, prims in self.parts.items()}
+        # bodies, walls and fluids stand side by side in results
+        filled = parts.unique_names([prim for role in FILLED for prim in self.parts[role]])
+        for role in FILLED:
+            self.names[role] = {path: filled[path] for path in self.names[role]}
+        self.frame = parts.frame(stage, self.physics)
+
+    def scene(self, name: str) -> Scene:
+        values = self._values(self.physics, "scene")
+        options = values.fields(
+            *("mps:duration", "mps:planeModel", "mps:frameRate", "mps:sampleRate"),
+            *("mps:timeStep", "mps:courant", "mps:damping", "mps:outputs"),
+            *("mps:analysis", "mps:loadSteps", "mps:integrator", "mps:theta"),
+        )
+        contact = values.fields("mps:contact", "mps:contactStiffness", "mps:friction")
+        renamed = {"contact": "between", "contact_stiffness": "stiffness", "friction": "friction"}
+        probes = {probe.name: probe for probe in map(self._probe, self.parts["probe"])}
+        return Scene(
+            name=name,
+            description=self.stage.GetRootLayer().documentation,
+            dimension=self.frame.dimension,
+            gravity=parts.gravity(self.stage, self.physics, self.frame),
+            bodies=tuple(self._body(prim) for prim in self.parts["body"]),
+            walls=tuple(self._wall(prim) for prim in self.parts["wall"]),
+            fluids=tuple(self._fluid(prim) for prim in self.parts["fluid"]),
+            supports=tuple(self._support(prim) for prim in self.parts["support"]),
+            loads=tuple(self._load(prim) for prim in self.parts["load"]),
+            probes=tuple(probes.values()),
+            measurements=tuple(self._measurement(prim, probes) for prim in self.parts["measurement"]),
+            elasticity=Elasticity(
+                **values.fields("mps:elasticModel", "mps:effectiveRadius", "mps:normalization", "mps:control")
+            ),
+            contact=Contact(**{renamed[field]: value for field, value in contact.items()}),
+            flow=parts.flow(values),
+            stage=self.frame.stage,
+            path=values.path,
+            **options,
+        )
+
+    def _body(self, prim: Usd.Prim) -> Body:
+        values = self._values(prim, "body")
+        return Body(
+            name=self._name(prim, "body"),
+            shape=self._region(values),
+            material=self._material(prim),
+            parts=tuple(self._part(part) for part in self.parts["part"] if self._part_of(part) == values.path),
+            node_axes=values.axes("mps:nodeAxes", "xyz"),
+            velocity_field=parts.velocity_field(values),
+            bonded_to=self._named(values, "mps:bondedTo", "body"),
+            path=values.path,
+            **parts.scalar_turn(values.fields("mps:spacing", "mps:velocity", "mps:angularVelocity")),
+        )
+
+    def _wall(self, prim: Usd.Prim) -> Wall:
+        values = self._values(prim, "wall")
+        return Wall(
+            name=self._name(prim, "wall"),
+            shape=self._region(values),
+            node_axes=values.axes("mps:nodeAxes", "xyz"),
+            motion=parts.motion(values),
+            rotation=parts.rotation(values),
+            path=values.path,
+            **values.fields("mps:spacing", "mps:slip", "mps:friction"),
+        )
+
+    def _fluid(self, prim: Usd.Prim) -> Fluid:
+        values = self._values(prim, "fluid")
+        return Fluid(
+            name=self._name(prim, "fluid"),
+            shape=self._region(values),
+            liquid=self._liquid(prim),
+            node_axes=values.axes("mps:nodeAxes", "xyz"),
+            velocity_field=parts.velocity_field(values),
+            path=values.path,
+            **parts.scalar_turn(values.fields("mps:spacing", "mps:velocity", "mps:angularVelocity")),
+        )
+
+    def _liquid(self, prim: Usd.Prim) -> Liquid:
+        """The liquid that is bound to a fluid; water if none is."""
+        bound, _ = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial("physics")
+        given: dict[str, Any] = {"path": str(prim.GetPath())}
+        if bound:
+            values = self._values(bound.GetPrim(), "liquid")
+            given = {"path": values.path, **values.fields("physics:density", "mps:viscosity")}
+        return Liquid(**{**given, **self._own_density(prim)})
+
+    def _part(self, prim: Usd.Prim) -> Part:
+        values = self._values(prim, "part")
+        return Part(
+            name=self._name(prim, "part"),
+            region=self._region(values),
+            material=self._material(prim),
+            path=values.path,
+        )
+
+    def _part_of(self, prim: Usd.Prim) -> str:
+        """Path of the body that a part belongs to."""
+        values = self._values(prim, "part")
+        if len(self._named(values, "mps:body", "body")) != 1:
+            raise InputError(values.path, "mps:body", "must lead to one body")
+        return values.targets("mps:body")[0]
+
+    def _material(self, prim: Usd.Prim) -> Material:
+        bound, _ = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial("physics")
+        if not bound:
+            raise InputError(str(prim.GetPath()), "material:binding:physics", "is missing: bind a material")
+        values = self._values(bound.GetPrim(), "material")
+        own = self._own_density(prim)
+        names = ["mps:youngsModulus", "mps:poissonsRatio", "mps:law", "mps:retardationTime"]
+        names += [] if own else ["physics:density"]
+        return Material(path=values.path, **{**values.fields(*names), **own})
+
+    def _own_density(self, prim: Usd.Prim) -> dict[str, float]:
+        """Density that the body gives itself; zero is UsdPhysics' way to give none."""
+        values = Values(prim, "material", self.frame)
+        mass = prim.GetAttribute("physics:mass")
+        if mass and mass.HasAuthoredValue() and mass.Get():
+            raise InputError(values.path, "physics:mass", "is not read: give the density, physics:density, instead")
+        density = values.fields("physics:density") if values.given("physics:density") else {}
+        return {field: value for field, value in density.items() if value != 0}
+
+    def _support(self, prim: Usd.Prim) -> Support:
+        values = self._values(prim, "support")
+        return Support(
+            name=self._name(prim, "support"),
+            region=self._region(values),
+            axes=values.axes("mps:axes", self.frame.stage.axes),
+            bodies=self._named(values, "mps:bodies", "body"),
+            motion=parts.motion(values),
+            path=values.path,
+            **values.fields("mps:holdRotation"),
+        )
+
+    def _load(self, prim: Usd.Prim) -> Load:
+        values = self._values(prim, "load")
+        return Load(
+            name=self._name(prim, "load"),
+            region=self._region(values),
+            bodies=self._named(values, "mps:bodies", "body"),
+            path=values.path,
+            **values.fields("mps:force", "mps:acceleration", "mps:frequency", "mps:phase"),
+        )
+
+    def _probe(self, prim: Usd.Prim) -> Probe:
+        values = self._values(prim, "probe")
+        place: dict[str, Any] = {"point": None}
+        targets = values.targets("mps:target")
+        if targets:
+            place = self._target(values, targets)
+        elif has_shape(prim):
+            place = {"region": self._region(values)}
+        else:
+            place = {"point": parts.origin(prim, self.frame)}
+        carriers = self._named(values, "mps:movesWith", "wall")
+        if len(carriers) > 1:
+            raise InputError(values.path, "mps:movesWith", "must lead to one wall")
+        return Probe(
+            name=self._name(prim, "probe"),
+            moves_with=carriers[0] if carriers else None,
+            path=values.path,
+            **place,
+            **values.fields("mps:quantity", "mps:about"),
+        )
+
+    def _target(self, values: Values, targets: list[str]) -> dict[str, str]:
+        for role, field in (*((role, "body") for role in FILLED), ("support", "support")):
+            if len(targets) == 1 and targets[0] in self.names[role]:
+                return {field: self.names[role][targets[0]]}
+        raise InputError(values.path, "mps:target", "must lead to one body, wall, fluid or support")
+
+    def _measurement(self, prim: Usd.Prim, known: Mapping[str, Probe]) -> Measurement:
+        values = self._values(prim, "measurement")
+        probes = self._named(values, "mps:probe", "probe")
+        if len(probes) != 1:
+            raise InputError(values.path, "mps:probe", f"must lead to one probe, not {len(probes)}")
+        component = self._component(values, known[probes[0]].quantity)
+        return Measurement(
+            name=prim.GetDisplayName() or prim.GetName(),
+            probe=probes[0],
+            component=component,
+            path=values.path,
+            **values.fields("mps:measure", "mps:reference", "mps:unit", "mps:source"),
+            **values.fields("mps:start", "mps:end", "mps:frequency", "mps:at"),
+        )
+
+    def _component(self, values: Values, quantity: str) -> int:
+        """Number of the component that is named, the first if none is."""
+        name, names = values.get("mps:component"), component_names(quantity, self.frame.stage.axes)
+        if name is None:
+            return 0
+        if name not in names:
+            known = f"must be one of: {', '.join(names)}" if names else f"but {quantity} has one component only"
+            raise InputError(values.path, "mps:component", f"is {name!r}, {known}")
+        return names.index(name)
+
+    def _values(self, prim: Usd.Prim, role: str) -> Values:
+        values = Values(prim, role, self.frame)
+        values.check_names()
+        return values
+
+    def _region(self, values: Values) -> Shape:
+        # The bore's radius is a length of the shape's own coordinates, as its radius is.
+        return read_shape(values.prim, self.frame, values.get("mps:innerRadius") or 0.0)
+
+    def _name(self, prim: Usd.Prim, role: str) -> str:
+        return self.names[role][str(prim.GetPath())]
+
+    def _named(self, values: Values, name: str, role: str) -> tuple[str, ...]:
+        targets = values.targets(name)
+        for target in targets:
+            if target not in self.names[role]:
+                raise InputError(
+                    values.path, name, f'leads to {target}, which is no {role}: it has no {ROLE} = "{role}"'
+                )
+        return tuple(self.names[role][target] for target in targets)

@@ -1,0 +1,82 @@
+"""A stage opened in a process of its own: USD trusts the files that it reads, and a damaged one can end the process."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+from pathlib import Path
+from typing import IO
+
+from warp_mps.errors import InputError
+
+# how long USD may take to compose a stage [s], and how much longer for every megabyte of its file
+PATIENCE, PATIENCE_PER_MEGABYTE = 6.0, 1.0
+# memory that it may take [bytes], and how many times the size of its file more
+MEMORY, MEMORY_PER_BYTE = 2 * 2**30, 50
+READY = b"ready\n"
+# exit code where the memory does not suffice
+TOO_LARGE = 3
+# what USD prints when a binary file tells of places that it does not have
+BEYOND = b"posix_madvise"
+
+
+def try_stage(path: str | Path, *, allow_external: bool) -> None:
+    """Open a stage and every value in it elsewhere; what is wrong with it otherwise is not said.
+
+    Args:
+        path: File of the stage.
+        allow_external: Whether it may refer to files outside its folder.
+
+    Raises:
+        InputError: The process did not survive it, or took too long.
+    """
+    megabytes = os.path.getsize(path) / 2**20
+    patience = PATIENCE + PATIENCE_PER_MEGABYTE * megabytes
+    root = str(Path(__file__).parents[3])
+    # without the folder that the user happens to be in, whose files must not pass for modules
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([root, *filter(None, sys.path)]), "PYTHONSAFEPATH": "1"}
+    # threads would take memory by their mere number
+    environment["PXR_WORK_THREAD_LIMIT"] = "1"
+    command = [
+        sys.executable,
+        "-m",
+        "warp_mps.usd.case.trial_process",
+        os.path.abspath(path),
+        *["external"] * allow_external,
+    ]
+    with tempfile.TemporaryFile() as errors, _start(command, environment, errors) as process:
+        assert process.stdout is not None
+        # the time that it takes to start is not that of the stage
+        good = process.stdout.readline() == READY
+        timer = threading.Timer(patience, process.kill)
+        timer.start()
+        code = process.wait()
+        late = not timer.is_alive()
+        timer.cancel()
+        errors.seek(0)
+        beyond = BEYOND in errors.read()
+    if good and code == 0 and not beyond:
+        return
+    if late:
+        raise InputError(str(path), "", f"takes USD more than {patience:.0f} s to compose")
+    how = "it refers to what lies beyond its end" if beyond else f"USD fails on it, {_name(code)}"
+    raise InputError(str(path), "", f"is damaged: {how}")
+
+
+def _start(command: list[str], environment: dict[str, str], errors: IO[bytes]) -> subprocess.Popen[bytes]:
+    pipes = {"stdin": subprocess.DEVNULL, "stdout": subprocess.PIPE, "stderr": errors}
+    return subprocess.Popen(command, env=environment, **pipes)  # type: ignore[call-overload]
+
+
+def _name(code: int) -> str:
+    """What ended a process."""
+    if code == TOO_LARGE:
+        return "out of memory"
+    with contextlib.suppress(ValueError):
+        return signal.Signals(-code).name
+    return f"exit code {code}"

@@ -1,0 +1,50 @@
+"""The process that `warp_mps.usd.case.trial` starts: it opens one stage in bounded memory."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import sys
+
+from pxr import Usd
+
+from warp_mps.errors import InputError
+from warp_mps.usd import register_schema
+from warp_mps.usd.case.layers import check_layers
+from warp_mps.usd.case.trial import MEMORY, MEMORY_PER_BYTE, READY, TOO_LARGE
+
+
+def main(path: str, *external: str) -> int:
+    """Open a stage and read every value in it, in bounded memory; an error that USD reports is none here."""
+    register_schema()
+    _limit_memory(MEMORY + MEMORY_PER_BYTE * os.path.getsize(path))
+    sys.stdout.buffer.write(READY)
+    sys.stdout.buffer.flush()
+    try:
+        _read(path, allow_external=bool(external))
+    except MemoryError:
+        return TOO_LARGE
+    except (InputError, RuntimeError, UnicodeDecodeError) as error:
+        return TOO_LARGE if "bad_alloc" in getattr(error, "reason", str(error)) else 0
+    return 0
+
+
+def _read(path: str, *, allow_external: bool) -> None:
+    layers = check_layers(path, allow_external=allow_external, tried=True)
+    stage = Usd.Stage.Open(layers[0])
+    for prim in stage.Traverse(Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)):
+        for attribute in prim.GetAttributes():
+            attribute.Get()
+
+
+def _limit_memory(size: int) -> None:
+    """Let the system refuse more memory than this, where it can; and leave no image of a crash behind."""
+    with contextlib.suppress(ImportError, ValueError, OSError):
+        import resource
+
+        resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+        resource.setrlimit(resource.RLIMIT_DATA, (size, size))
+
+
+if __name__ == "__main__":
+    sys.exit(main(*sys.argv[1:]))

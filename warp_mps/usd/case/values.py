@@ -1,0 +1,159 @@
+"""The attributes of a prim, checked for their type and turned into SI units and the scene's axes."""
+
+from __future__ import annotations
+
+import difflib
+from typing import Any
+
+import numpy as np
+from pxr import Tf, Usd, Vt
+
+from warp_mps.errors import InputError
+from warp_mps.scene.validation.rules import LARGEST
+from warp_mps.usd.case.attributes import ROLE, TABLE
+from warp_mps.usd.case.frame import Frame
+from warp_mps.usd.case.layers import reason_of
+
+
+class Values:
+    """What a prim says about its part in the case.
+
+    Args:
+        prim: The prim.
+        role: Its part, a key of the table of attributes.
+        frame: Units and axes.
+    """
+
+    def __init__(self, prim: Usd.Prim, role: str, frame: Frame) -> None:
+        self.prim, self.frame, self.table = prim, frame, TABLE[role]
+        self.path = str(prim.GetPath())
+
+    def check_names(self) -> None:
+        """Refuse attributes that are not in the table, most likely misspelt.
+
+        Raises:
+            InputError: There is one.
+        """
+        for found in self.prim.GetAuthoredPropertyNames():
+            if found.startswith("mps:") and found != ROLE and found not in self.table:
+                others = [role for role, table in TABLE.items() if found in table]
+                near = difflib.get_close_matches(found, self.table, n=1)
+                hint = f"did you mean {near[0]}?" if near else "known are " + ", ".join(self.table)
+                hint = f"it is for: {', '.join(others)}" if others else hint
+                raise InputError(self.path, found, f"is not known here; {hint}")
+
+    def given(self, name: str) -> bool:
+        """Whether the prim gives a value of its own."""
+        return self.prim.HasAttribute(name) and self.prim.GetAttribute(name).HasAuthoredValue()
+
+    def get(self, name: str) -> Any:
+        """Value of an attribute in SI units; vectors are tuples along the scene's axes. None if it is not given.
+
+        Raises:
+            InputError: It is missing but required, of the wrong type, not finite, or not one of the allowed values.
+        """
+        row = self.table[name]
+        if not self.given(name):
+            if row.required:
+                raise InputError(self.path, name, f"is missing: {row.meaning}")
+            return None
+        value = typed(self.prim.GetAttribute(name), row.kind)
+        wrong = [name for name in (value if row.kind == "token[]" else [value]) if str(name) not in row.allowed]
+        if row.allowed and wrong:
+            raise InputError(self.path, name, f"is {wrong[0]!r}, must be one of: {', '.join(row.allowed)}")
+        if row.kind in ("double", "float"):
+            return value * self.frame.factor(row)
+        if row.kind == "double[]":
+            return np.asarray(value, float)
+        if row.kind == "double3[]":
+            return self.frame.vectors_to_scene(np.asarray(value, float).reshape(-1, 3), row, self.path)
+        if row.kind == "double3":
+            return tuple(self.frame.vectors_to_scene(np.asarray(value), row, self.path).tolist())
+        return value
+
+    def fields(self, *names: str, prefix: str = "") -> dict[str, Any]:
+        """Fields of the scene filled by the attributes that are given, by the fields' names less a prefix."""
+        values = {self.table[name].field.removeprefix(prefix): self.get(name) for name in names}
+        return {field: value for field, value in values.items() if value is not None}
+
+    def axes(self, name: str, known: str) -> tuple[int, ...]:
+        """Positions in `known` of the axes that a token such as ``xz`` names; empty if it is not given.
+
+        Raises:
+            InputError: It names others.
+        """
+        token = self.get(name) or ""
+        if any(axis not in known for axis in token) or len(set(token)) != len(token):
+            raise InputError(self.path, name, f"is {token!r}, must be axes among {known}, each once")
+        return tuple(sorted(known.index(axis) for axis in token))
+
+    def targets(self, name: str) -> list[str]:
+        """Paths that a relationship leads to.
+
+        Raises:
+            InputError: There is no prim at one of them, or none is given and one is required.
+        """
+        if self.prim.HasAttribute(name):
+            raise InputError(self.path, name, "must be a relationship (rel)")
+        try:
+            paths = self.prim.GetRelationship(name).GetForwardedTargets() if self.prim.HasRelationship(name) else []
+        except Tf.ErrorException as error:
+            raise InputError(self.path, name, reason_of(error)) from None
+        if not paths and self.table[name].required:
+            raise InputError(self.path, name, f"is missing: {self.table[name].meaning}")
+        for path in paths:
+            if not self.prim.GetStage().GetPrimAtPath(path):
+                raise InputError(self.path, name, f"leads to {path}, where there is no prim")
+        return [str(path) for path in paths]
+
+
+def typed(attribute: Usd.Attribute, kind: str) -> Any:
+    """Value of an attribute as plain numbers and texts, arrays as floats.
+
+    Raises:
+        InputError: It is of another type, not finite, or absurdly large.
+    """
+    path, name, value = str(attribute.GetPrim().GetPath()), attribute.GetName(), attribute.Get()
+    if value is None or attribute.GetNumTimeSamples():
+        raise InputError(path, name, "must have a value that does not vary in time")
+    plain = _plain(value, kind)
+    if plain is None:
+        # as it is written: of a prim that applies the schema, the attribute itself has the type of the schema
+        written = attribute.GetPropertyStack()[0].typeName
+        raise InputError(path, name, f"must be {kind}, not {written}")
+    if kind not in ("token", "token[]", "string", "bool"):
+        if not np.isfinite(plain).all():
+            raise InputError(path, name, "must be finite")
+        if np.size(plain) and np.abs(plain).max() > LARGEST:
+            raise InputError(path, name, f"must be at most {LARGEST:g} in size")
+    return plain
+
+
+def shortest(value: float) -> float:
+    """The shortest decimal that a single-precision number can be told by: 9.81, not 9.8100004196."""
+    return float(str(np.float32(value)))
+
+
+def _plain(value: Any, kind: str) -> Any:
+    """The value as the kind's plain type, or None if it is of another."""
+    number = isinstance(value, int | float) and not isinstance(value, bool)
+    if kind in ("float", "double"):
+        return None if not number else shortest(value) if kind == "float" else float(value)
+    if kind in ("token", "string", "int", "bool"):
+        return value if type(value) is {"int": int, "bool": bool}.get(kind, str) else None
+    if kind == "token[]":
+        return tuple(value) if isinstance(value, Vt.TokenArray) else None
+    return None if isinstance(value, str) or not hasattr(value, "__len__") else _array(value, kind)
+
+
+def _array(value: Any, kind: str) -> np.ndarray | None:
+    try:
+        array = np.asarray(value, float)
+    except (TypeError, ValueError):
+        return None
+    if not kind.endswith("[]"):
+        return array if array.shape == (3,) else None
+    if array.size == 0:
+        return array
+    vectors = kind in ("double3[]", "point3f[]", "vector3f[]")
+    return array if array.ndim == (2 if vectors else 1) and (not vectors or array.shape[1] == 3) else None

@@ -1,0 +1,212 @@
+"""Rigid motion on the device: the pose of every wall at a time, and the particles that it carries.
+
+A point X of a wall, with r = X - pivot, angle a and unit axis k, is at
+
+    x = X + s + (R - I) r,   (R - I) r = sin(a) k x r + 2 sin^2(a/2) k x (k x r)
+
+s its displacement; its velocity is s' + a' k x R r, and its acceleration s'' + a'' k x R r + a'^2 k x (k x R r). The
+turn is formed from the half angle, and all of it in double precision whatever the run's, so that small motions keep
+their digits.
+"""
+
+import functools
+from types import SimpleNamespace
+
+import warp as wp
+
+from warp_mps.core.cubic import cubic_funcs
+from warp_mps.core.types import NumericTypes
+
+METHOD = "rigid"
+
+
+@functools.cache
+def rigid_kernels(types: NumericTypes) -> SimpleNamespace:
+    """Kernels `clock`, `pose`, `place`, `drive`, `drive_work` and `clear`."""
+    vec, d = types.vec, types.dimension
+    vec64 = wp.types.vector(length=d, dtype=wp.float64)
+    cubic_value, cubic_rate, cubic_second = cubic_funcs(wp.float64, vec64, types.module(METHOD))
+
+    if d == 2:
+
+        @types.func(METHOD)
+        def about(axis: wp.vec3d, r: vec64) -> vec64:
+            """The product k x r."""
+            return vec64(-r[1], r[0])
+
+    else:
+
+        @types.func(METHOD)
+        def about(axis: wp.vec3d, r: vec64) -> vec64:
+            """The product k x r."""
+            return wp.cross(axis, r)
+
+    @types.func(METHOD)
+    def carry(
+        w: wp.int32,
+        x: vec64,
+        pivot: wp.array(dtype=vec64),
+        axis: wp.array(dtype=wp.vec3d),
+        value: wp.array(dtype=vec64, ndim=2),
+        rate: wp.array(dtype=vec64, ndim=2),
+        second: wp.array(dtype=vec64, ndim=2),
+    ):
+        """Displacement, velocity and acceleration of the point X of a wall; R r is its arm from the displaced pivot."""
+        k = axis[w]
+        r = x - pivot[w]
+        angle = value[w, 1][0]
+        half = wp.sin(wp.float64(0.5) * angle)
+        across = about(k, r)
+        u = value[w, 0] + wp.sin(angle) * across + (wp.float64(2.0) * half * half) * about(k, across)
+        spin = rate[w, 1][0]
+        around = about(k, r + u - value[w, 0])
+        v = rate[w, 0] + spin * around
+        a = second[w, 0] + second[w, 1][0] * around + (spin * spin) * about(k, around)
+        return u, v, a
+
+    @types.kernel(METHOD)
+    def clock(steps: wp.array(dtype=wp.int32), dt: wp.float64, time_out: wp.array(dtype=wp.float64)):
+        """The time after a number of equal steps."""
+        time_out[0] = wp.float64(steps[0]) * dt
+
+    @types.kernel(METHOD)
+    def pose(
+        # Model:
+        amplitude: wp.array(dtype=vec64, ndim=2),
+        frequency: wp.array(dtype=wp.float64, ndim=2),
+        phase: wp.array(dtype=wp.float64, ndim=2),
+        start: wp.array(dtype=wp.int32, ndim=2),
+        times: wp.array(dtype=wp.float64),
+        rows: wp.array(dtype=vec64),
+        slopes: wp.array(dtype=vec64),
+        cubic: wp.array(dtype=wp.int32, ndim=2),
+        # State in:
+        time: wp.array(dtype=wp.float64),
+        # State out:
+        value_out: wp.array(dtype=vec64, ndim=2),
+        rate_out: wp.array(dtype=vec64, ndim=2),
+        second_out: wp.array(dtype=vec64, ndim=2),
+    ):
+        """Displacement (column 0) or angle (column 1, in its first component) of a wall, and its two derivatives.
+
+        Harmonic where f > 0, else by the table of rows `start[wall, k, ...]`, if it has any: linear, or with Hermite's
+        cubics of the slopes at the rows.
+        """
+        w, k = wp.tid()
+        t = time[0]
+        value = vec64()
+        rate = vec64()
+        second = vec64()
+        first = start[w, 2 * k]
+        last = start[w, 2 * k + 1] - 1
+        if frequency[w, k] > wp.float64(0.0):
+            omega = wp.float64(wp.TAU) * frequency[w, k]
+            angle = omega * t + phase[w, k]
+            value = (wp.sin(angle) - wp.sin(phase[w, k])) * amplitude[w, k]
+            rate = (omega * wp.cos(angle)) * amplitude[w, k]
+            second = (-omega * omega * wp.sin(angle)) * amplitude[w, k]
+        elif last > first:
+            n = wp.clamp(wp.lower_bound(times, first, last + 1, t), first + 1, last)
+            span = times[n] - times[n - 1]
+            s = wp.clamp((t - times[n - 1]) / span, wp.float64(0.0), wp.float64(1.0))
+            inside = t >= times[first] and t < times[last]
+            move = rows[n] - rows[n - 1]
+            if cubic[w, k] == 0:
+                value = rows[n - 1] + s * move
+                if inside:
+                    rate = move / span
+            else:
+                m0 = span * slopes[n - 1]
+                m1 = span * slopes[n]
+                value = rows[n - 1] + cubic_value(s, move, m0, m1)
+                if inside:
+                    rate = cubic_rate(s, move, m0, m1) / span
+                    second = cubic_second(s, move, m0, m1) / (span * span)
+        value_out[w, k] = value
+        rate_out[w, k] = rate
+        second_out[w, k] = second
+
+    @types.kernel(METHOD)
+    def place(
+        # Model:
+        first: wp.int32,
+        wall: wp.array(dtype=wp.int32),
+        reference: wp.array(dtype=vec64),
+        pivot: wp.array(dtype=vec64),
+        axis: wp.array(dtype=wp.vec3d),
+        # State in:
+        value: wp.array(dtype=vec64, ndim=2),
+        rate: wp.array(dtype=vec64, ndim=2),
+        second: wp.array(dtype=vec64, ndim=2),
+        # State out:
+        x_out: wp.array(dtype=vec),
+        v_out: wp.array(dtype=vec),
+        a_out: wp.array(dtype=vec),
+    ):
+        """Positions, velocities and accelerations of the particles that belong to a wall (index at least 0)."""
+        i = first + wp.tid()
+        w = wall[i]
+        if w >= 0:
+            u, v, a = carry(w, reference[i], pivot, axis, value, rate, second)
+            x_out[i] = vec(reference[i] + u)
+            v_out[i] = vec(v)
+            a_out[i] = vec(a)
+
+    @types.kernel(METHOD)
+    def drive(
+        # Model:
+        first: wp.int32,
+        elastic: wp.int32,
+        wall: wp.array(dtype=wp.int32),
+        reference: wp.array(dtype=vec64),
+        pivot: wp.array(dtype=vec64),
+        axis: wp.array(dtype=wp.vec3d),
+        # State in:
+        value: wp.array(dtype=vec64, ndim=2),
+        rate: wp.array(dtype=vec64, ndim=2),
+        second: wp.array(dtype=vec64, ndim=2),
+        contact: wp.array(dtype=vec),
+        # State in and out:
+        u: wp.array(dtype=vec),
+        v_out: wp.array(dtype=vec),
+        a_out: wp.array(dtype=vec),
+        move_out: wp.array(dtype=vec),
+        work: wp.array(dtype=wp.float64),
+    ):
+        """Place wall particles, which come after the elastic ones, and add the first half of a step's work.
+
+        The work of a wall is that against the contact forces on it: half of the move times the last step's force here,
+        the other half in `drive_work`.
+        """
+        i = first + wp.tid()
+        n = i - elastic
+        new, v, a = carry(wall[i], reference[i], pivot, axis, value, rate, second)
+        move = vec(new) - u[i]
+        u[i] = vec(new)
+        v_out[i] = vec(v)
+        a_out[i] = vec(a)
+        move_out[n] = move
+        work[n] = work[n] - wp.float64(0.5) * wp.float64(wp.dot(contact[i], move))
+
+    @types.kernel(METHOD)
+    def drive_work(
+        # Model:
+        first: wp.int32,
+        elastic: wp.int32,
+        # State in:
+        contact: wp.array(dtype=vec),
+        move: wp.array(dtype=vec),
+        # State in and out:
+        work: wp.array(dtype=wp.float64),
+    ):
+        """Work of the walls against the new contact forces over the second half of their move."""
+        i = first + wp.tid()
+        n = i - elastic
+        work[n] = work[n] - wp.float64(0.5) * wp.float64(wp.dot(contact[i], move[n]))
+
+    @types.kernel(METHOD)
+    def clear(first: wp.int32, force_out: wp.array(dtype=vec)):
+        """Take the last step's forces off the walls."""
+        force_out[first + wp.tid()] = vec()
+
+    return SimpleNamespace(clock=clock, pose=pose, place=place, drive=drive, drive_work=drive_work, clear=clear)
