@@ -8,7 +8,8 @@ from scipy.optimize import brentq
 
 from tests.bits import assert_same_bits
 from tests.scenes import RUBBER, angular_momentum, block, scene_of
-from warp_mps.elastic import contact_law, contacts
+from warp_mps.elastic.contact import law as contact_law
+from warp_mps.elastic.contact import model as contacts
 from warp_mps.elastic.contact.law import law_constants
 from warp_mps.errors import RunError
 from warp_mps.observers.base import View
