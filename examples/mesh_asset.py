@@ -50,7 +50,7 @@ def write_asset(path: Path, around: int = 96, across: int = 48) -> None:
 
 
 def write_case(path: Path, asset: str, spacing: float) -> None:
-    """A stage in millimetres whose one body is the asset."""
+    """A stage in millimetres owner_of one body is the asset."""
     stage, types = Usd.Stage.CreateNew(str(path)), Sdf.ValueTypeNames
     UsdGeom.SetStageMetersPerUnit(stage, 0.001)
     UsdPhysics.SetStageKilogramsPerUnit(stage, 1.0)

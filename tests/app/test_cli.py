@@ -100,7 +100,7 @@ def test_fluids_are_checked_and_run(tmp_path: Path, capsys: pytest.CaptureFixtur
 def test_a_shorter_run_leaves_out_what_comes_later(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["check", "dam_break_elastic_gate", "--duration", "0.1"]) == 0
     line = capsys.readouterr().err
-    assert line.startswith("warp-mps: not measured, for it comes after 0.1 s: shift at 0.12 s, shift at 0.20 s")
+    assert line.startswith("warp-mps: not measured, because the run ends at 0.1 s: shift at 0.12 s, shift at 0.20 s")
     assert "0.08" not in line
     assert main(["check", "dam_break_elastic_gate", "--duration", "0.4"]) == 0
     assert capsys.readouterr().err == ""
@@ -176,7 +176,7 @@ def test_an_interrupt_ends_cleanly(tmp_path: Path) -> None:
     os.kill(process.pid, signal.SIGINT)
     _, errors = process.communicate(timeout=60)
     assert process.returncode == 130
-    assert "interrupted; what was computed is kept" in errors.splitlines()[-1]
+    assert "interrupted; the results so far are kept" in errors.splitlines()[-1]
     assert "Traceback" not in errors
     summary = json.loads((out / "run.json").read_text())
     assert summary["status"] == "failed"

@@ -1,1 +1,1 @@
-"""The command line: what a user types, and what is printed in return."""
+"""The command line, the pictures, plots and reports of results, conversion, and benchmarks."""

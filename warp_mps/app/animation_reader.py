@@ -1,4 +1,4 @@
-"""The animation of a run, read back: what every command that shows results starts from."""
+"""The animation of a run, read from run.usdc by every command that shows results."""
 
 from __future__ import annotations
 
@@ -18,27 +18,29 @@ ANIMATION = "run.usdc"
 # SI units of the quantities that a result may hold; points, velocities and widths are in the stage's units
 UNITS = {"pressure": "Pa", "stress": "Pa", "strain": "1", "von_mises": "Pa", "strain_energy": "J/m^3"}
 
-# frames that stand for all of a run, and particles of them at most
+# number of frames sampled from a run, and the largest number of particles in them
 SAMPLE_FRAMES, SAMPLE = 24, 4_000_000
-# amount of light of what has no colour
+# linear RGB of prims without a colour
 PLAIN = (0.3, 0.3, 0.3)
 
 
-def find_run(folder: Path) -> Path:
+def find_animation(folder: Path) -> Path:
     """The animation in the folder of a run.
 
     Raises:
         InputError: There is no such folder, or no run in it.
     """
     if not folder.is_dir():
-        raise InputError(str(folder), "", "is no folder; give the folder that `warp-mps run` left, such as runs/CASE")
+        raise InputError(
+            str(folder), "", "is not a folder; give the output folder of `warp-mps run`, such as runs/CASE"
+        )
     if not (folder / ANIMATION).is_file():
-        raise InputError(str(folder), "", f"holds no run: there is no {ANIMATION} in it")
+        raise InputError(str(folder), "", f"does not contain a run: {ANIMATION} is missing")
     return folder / ANIMATION
 
 
 def refuse_existing(path: Path, overwrite: bool) -> None:
-    """Keep a file that is there already, unless it may be replaced.
+    """Refuse to replace an existing file, unless that is allowed.
 
     Raises:
         InputError: The file exists and may not be replaced.
@@ -49,15 +51,15 @@ def refuse_existing(path: Path, overwrite: bool) -> None:
 
 @dataclass(frozen=True)
 class Cloud:
-    """The particles of one body, wall or fluid; what does not change from frame to frame.
+    """The particles of one body, wall or fluid: the data that is the same in every frame.
 
     Attributes:
         name: Name of the body.
         role: ``body``, ``wall`` or ``fluid``.
         ids: Ids, shape [n].
         widths: Widths [stage units], shape [n].
-        color: Its colour as screens take it, from 0 to 1, shape [3].
-        scalars: Names of the quantities that are one number a particle.
+        color: sRGB colour from 0 to 1, shape [3].
+        scalars: Names of the quantities with one number a particle.
     """
 
     name: str
@@ -90,7 +92,7 @@ class Animation:
     """
 
     def __init__(self, folder: Path) -> None:
-        self.path = find_run(folder)
+        self.path = find_animation(folder)
         self._stage = open_stage(self.path)
         points = [UsdGeom.Points(prim) for prim in self._stage.Traverse() if prim.IsA(UsdGeom.Points)]
         self.codes = sorted({code for item in points for code in item.GetPointsAttr().GetTimeSamples()})
@@ -113,8 +115,8 @@ class Animation:
         """The clouds in another stage of the same layout."""
         return [UsdGeom.Points(stage.GetPrimAtPath(item.GetPath())) for item in self._points]
 
-    def some_frames(self) -> list[int]:
-        """Frames that stand for all, the first and the last among them: so many that they fit the memory."""
+    def sample_frames(self) -> list[int]:
+        """A sample of the frames with the first and the last, as many as fit in memory."""
         most = int(np.clip(SAMPLE // max(1, sum(len(cloud.ids) for cloud in self.clouds)), 2, SAMPLE_FRAMES))
         return [int(frame) for frame in np.unique(np.linspace(0, len(self) - 1, most).astype(int))]
 
@@ -127,7 +129,7 @@ class Animation:
         return np.array(self._points[cloud].GetVelocitiesAttr().Get(self.codes[frame]), dtype=float).reshape(-1, 3)
 
     def scalar(self, cloud: int, frame: int, name: str) -> np.ndarray:
-        """One of the further quantities of a cloud that are one number a particle [SI units], shape [n]."""
+        """A scalar quantity of a cloud [SI units], shape [n]."""
         primvar = UsdGeom.PrimvarsAPI(self._points[cloud]).GetPrimvar(name)
         return np.array(primvar.Get(self.codes[frame]), dtype=float).reshape(-1)
 

@@ -1,4 +1,4 @@
-"""The command line taken apart; what is wrong with it is said in one line."""
+"""Parsing of the command line; an error is reported in one line."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ from tyro.conf import FlagCreatePairsOff, OmitArgPrefixes
 
 from warp_mps.errors import InputError
 
-# how Tyro frames its messages, and parts their sections
+# box-drawing characters around Tyro's messages
 _FRAME = "\u2500\u2502\u256d\u256e\u2570\u256f"
 _HINT = "Perhaps you meant: "
-# how it says that a value is of another type: one of several words, or one
+# Tyro's messages about values of another type: for one of several types, and for one
 _UNFIT = re.compile(r"Error parsing (\S+): no type matching \{None\}\|\{?([A-Z ]+)\}? could .* from \[(.*)\]")
 _NO_NUMBER = re.compile(r"Error parsing (\S+): (?:invalid literal for int|could not convert string).*?: '(.*)'")
 
@@ -30,14 +30,14 @@ def parse(commands: Mapping[str, Callable[..., int]], arguments: Sequence[str]) 
         arguments: The command line.
 
     Raises:
-        InputError: There is no such command or option, or a value is none that it can have.
+        InputError: There is no such command or option, or a value is not allowed.
         SystemExit: Help was asked for, and printed.
     """
     text = io.StringIO()
     try:
         with contextlib.redirect_stderr(text):
             chosen: Any = tyro.extras.subcommand_cli_from_dict(
-                {name: _later(command) for name, command in commands.items()},
+                {name: _bind_later(command) for name, command in commands.items()},
                 prog="warp-mps",
                 description="Elastic structures and water by the Moving Particle Semi-implicit method: USD in and out.",
                 args=arguments,
@@ -50,8 +50,8 @@ def parse(commands: Mapping[str, Callable[..., int]], arguments: Sequence[str]) 
         raise InputError("", "", _one_line(text.getvalue())) from None
 
 
-def _later(command: Callable[..., int]) -> Callable[..., Callable[[], int]]:
-    """A function with the arguments of a command, which gives it instead of calling it."""
+def _bind_later(command: Callable[..., int]) -> Callable[..., Callable[[], int]]:
+    """A function with the arguments of a command that returns the bound call instead of making it."""
 
     @functools.wraps(command)
     def bind(*arguments: Any, **options: Any) -> Callable[[], int]:
@@ -61,15 +61,15 @@ def _later(command: Callable[..., int]) -> Callable[..., Callable[[], int]]:
 
 
 def _one_line(message: str) -> str:
-    """What a framed message says first, and the option that it takes to be meant."""
+    """The first sentence of a framed message, and the option that it suggests."""
     sections = [" ".join(part.split()) for part in _sections(message)]
     hints = [section.removeprefix(_HINT).split()[0] for section in sections if section.startswith(_HINT)]
     says = sections[0] if sections else "the command line cannot be understood"
-    return "; ".join([_plainly(says).rstrip("."), *(f"did you mean {hint}?" for hint in hints), "see warp-mps --help"])
+    return "; ".join([_reworded(says).rstrip("."), *(f"did you mean {hint}?" for hint in hints), "see warp-mps --help"])
 
 
-def _plainly(message: str) -> str:
-    """What a value is and must be, where a message names types instead."""
+def _reworded(message: str) -> str:
+    """A message about types, reworded as value and constraint."""
     if unfit := _UNFIT.match(message):
         option, kinds, given = unfit.group(1), unfit.group(2).split(), unfit.group(3)
         whole, count = "whole " * (kinds[0] == "INT"), len(kinds)
@@ -84,6 +84,6 @@ def _plainly(message: str) -> str:
 def _sections(message: str) -> list[str]:
     """The texts below the title of a frame, between its lines; each up to its first empty line."""
     lines = [line.strip(_FRAME + " ") for line in message.splitlines()]
-    # where the terminal knows no lines, dashes stand for them
+    # ASCII terminals get dashes instead of box-drawing characters
     text = "\n".join("" if line.strip("-") == "" else line for line in lines).strip()
     return [part.strip() for part in re.split(r"\n\n+", text.partition("\n")[2]) if part.strip()]

@@ -15,7 +15,7 @@ from typing import Annotated, Any, Literal
 from tyro.conf import Positional, UseAppendAction, arg
 
 from warp_mps import __version__
-from warp_mps.app import result_commands as looking
+from warp_mps.app import result_commands
 from warp_mps.app.arguments import parse
 from warp_mps.core.interrupts import single_interrupt
 from warp_mps.errors import InputError, RunError
@@ -39,18 +39,18 @@ External = Annotated[bool, arg(help="Let the stage refer to files outside its fo
 
 def list_cases() -> int:
     """List the shipped cases, with a line on each."""
-    from warp_mps.app.printing import show_cases
+    from warp_mps.app.printing import print_cases
 
-    return show_cases()
+    return print_cases()
 
 
 def check(
     case: Positional[Case], *, duration: Duration = None, changes: Changes = (), allow_external: External = False
 ) -> int:
-    """Read a case and say what a run of it would take: particles, time step, memory, disk, time. Runs nothing."""
-    from warp_mps.app.printing import show_check
+    """Read a case and print what a run would cost: particles, time step, memory, disk, time. Runs nothing."""
+    from warp_mps.app.printing import print_check
 
-    return show_check(_read(case, changes, duration, allow_external=allow_external))
+    return print_check(_read(case, changes, duration, allow_external=allow_external))
 
 
 def run(
@@ -69,7 +69,7 @@ def run(
     allow_external: External = False,
 ) -> int:
     """Run a case: leaves run.usdc (animation), probes.csv, run.json (summary) and checkpoint.npz in a folder."""
-    from warp_mps.app.printing import show_summary
+    from warp_mps.app.printing import print_summary
     from warp_mps.run.run import run_scene
 
     scene = _read(case, changes, duration, allow_external=allow_external)
@@ -79,9 +79,9 @@ def run(
         summary = start(overwrite=overwrite, resume=resume, checkpoint_interval=checkpoint_interval, quiet=quiet)
     except KeyboardInterrupt:
         if (folder / "checkpoint.npz").exists():
-            return _fail("interrupted; what was computed is kept, continue with --resume", INTERRUPTED)
+            return _fail("interrupted; the results so far are kept, continue with --resume", INTERRUPTED)
         raise
-    show_summary(summary, folder)
+    print_summary(summary, folder)
     return 0
 
 
@@ -93,7 +93,7 @@ def validate(
     precision: Precision = "float64",
     allow_external: External = False,
 ) -> int:
-    """Run cases and print what was measured beside what is known: measured, reference, error, source."""
+    """Run cases and print each measurement beside its reference: measured, reference, error, source."""
     from warp_mps.app.validate import validate_cases
 
     return validate_cases(cases, out=out, device=device, precision=precision, allow_external=allow_external)
@@ -105,7 +105,7 @@ def bench(
         arg(metavar="N", help="Numbers of particles; by default 1e3 to 1e6, of fluids 1e3 to 1e5, in 3-D 3e4."),
     ] = (),
     *,
-    of: Annotated[tuple[Literal["elastic", "fluids", "coupling"], ...], arg(help="What is measured.")] = SUBJECTS,
+    of: Annotated[tuple[Literal["elastic", "fluids", "coupling"], ...], arg(help="Benchmarks to run.")] = SUBJECTS,
     device: Device = "cpu",
     models: Annotated[tuple[Literal["hamiltonian", "springs"], ...], arg(help="Elastic models.")] = MODELS,
     dimensions: Annotated[tuple[Literal[2, 3], ...], arg(help="Dimensions.")] = (2, 3),
@@ -135,11 +135,11 @@ COMMANDS: dict[str, Callable[..., int]] = {
     "run": run,
     "validate": validate,
     "bench": bench,
-    "convert": looking.convert,
-    "plot": looking.plot,
-    "picture": looking.picture,
-    "video": looking.video,
-    "report": looking.report,
+    "convert": result_commands.convert,
+    "plot": result_commands.plot,
+    "picture": result_commands.picture,
+    "video": result_commands.video,
+    "report": result_commands.report,
 }
 
 
@@ -149,16 +149,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if arguments == ["--version"]:
         print(f"warp-mps {__version__}")
         return 0
-    # what ends a batch job ends a run as Ctrl-C does: with everything kept
+    # a batch system ends a job by SIGTERM: treat it as Ctrl-C, so that all results are kept
     signal.signal(signal.SIGTERM, lambda *_: signal.raise_signal(signal.SIGINT))
     try:
-        # a second Ctrl-C must not stop what the first one keeps
+        # a second Ctrl-C must not interrupt the saving that the first one started
         with single_interrupt():
             return parse(COMMANDS, arguments)()
     except InputError as error:
         from warp_mps.usd.case.attributes import stage_error
 
-        # what a stage got wrong is named in the stage's words
+        # name the attribute of the stage, not the field of the scene
         return _fail(str(stage_error(error)), 2)
     except RunError as error:
         return _fail(str(error), 3)
@@ -179,7 +179,7 @@ def _read(case: str, changes: Sequence[str], duration: float | None, *, allow_ex
 
 
 def _lasting(scene: Any, duration: float) -> Any:
-    """A scene that lasts so long [s], without the measurements of what comes later, which a line then names."""
+    """A scene with a new duration [s]; measurements that need later times are dropped, and a line names them."""
     from dataclasses import replace
 
     from warp_mps.scene.validation.probes import is_past
@@ -188,7 +188,7 @@ def _lasting(scene: Any, duration: float) -> Any:
     shortened = replace(scene, duration=duration, measurements=tuple(kept))
     left_out = [item.name for item in scene.measurements if item not in kept]
     if left_out:
-        _say(f"not measured, for it comes after {duration:g} s: {', '.join(left_out)}")
+        _say(f"not measured, because the run ends at {duration:g} s: {', '.join(left_out)}")
     return shortened
 
 

@@ -1,4 +1,4 @@
-"""What the commands print: cases, costs, results."""
+"""Printed output of the commands: cases, costs, results."""
 
 from __future__ import annotations
 
@@ -25,8 +25,8 @@ WIDE = 200
 ROOM_FOR_SOURCES = 130
 
 
-def show_cases() -> int:
-    """Print the shipped cases and the first line of what each says of itself."""
+def print_cases() -> int:
+    """Print the shipped cases and the first line of each description."""
     from pxr import Sdf
 
     table = _table("case", "what it is")
@@ -37,8 +37,8 @@ def show_cases() -> int:
     return 0
 
 
-def show_check(scene: Scene) -> int:
-    """Print what a run of a scene would take, and refuse what the run would refuse.
+def print_check(scene: Scene) -> int:
+    """Print the cost of a run of a scene, and refuse a scene that the run would refuse.
 
     Raises:
         InputError: The bodies, supports, loads or probes do not fit the particles, or there is not enough memory.
@@ -98,12 +98,12 @@ def part_lines(scene: Scene, particles: Particles) -> list[str]:
     return lines
 
 
-def show_summary(summary: RunSummary, folder: Path) -> None:
+def print_summary(summary: RunSummary, folder: Path) -> None:
     """Print how a run went and where its results are."""
     out = console()
     out.print(headline(summary), highlight=False, soft_wrap=True)
     if summary.measurements:
-        show_measurements([(summary.case, row) for row in summary.measurements])
+        print_measurements([(summary.case, row) for row in summary.measurements])
     out.print(f"results in {folder}", highlight=False, soft_wrap=True)
 
 
@@ -116,10 +116,10 @@ def _kind(scene: Scene) -> str:
     return f"{kind}, model {scene.elasticity.model}"
 
 
-def show_measurements(rows: Sequence[tuple[str, dict[str, Any]]]) -> None:
+def print_measurements(rows: Sequence[tuple[str, dict[str, Any]]]) -> None:
     """Print measurements beside their references: case, result, measured, reference, error, source.
 
-    Where the terminal is too narrow for the sources they stand below, by number.
+    On a narrow terminal the sources are listed below the table, by number.
     """
     out = console()
     sources = list(dict.fromkeys(row["source"] for _, row in rows if row["source"]))
@@ -141,12 +141,12 @@ def show_measurements(rows: Sequence[tuple[str, dict[str, Any]]]) -> None:
 
 
 def console() -> Console:
-    """Standard output; as wide as a table needs where it is no terminal, so that a log can be searched."""
+    """Standard output; wide if it is not a terminal, so that lines of a log are not wrapped."""
     return Console() if sys.stdout.isatty() else Console(width=WIDE)
 
 
 def _table(*columns: str) -> Table:
-    """A table whose last column gives way when there is little room."""
+    """A table; its last column wraps on a narrow terminal."""
     table = Table(box=None, pad_edge=False, header_style="bold")
     for column in columns[:-1]:
         table.add_column(column, no_wrap=True)

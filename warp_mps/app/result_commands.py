@@ -1,4 +1,4 @@
-"""The commands that look at the results of a run; they read the run's folder and compute nothing anew."""
+"""The commands for the results of a run; they read the run's folder and compute nothing."""
 
 from __future__ import annotations
 
@@ -22,7 +22,9 @@ Limits = Annotated[
     tuple[float, float] | None,
     arg(metavar="LOW HIGH", help="Values of the first and the last colour, in SI units; default: as the run has them."),
 ]
-Size = Annotated[tuple[int, int] | None, arg(metavar="W H", help="Width and height in pixels; default: as suits.")]
+Size = Annotated[
+    tuple[int, int] | None, arg(metavar="W H", help="Width and height in pixels; default: fitted to the scene.")
+]
 View = Annotated[
     tuple[float, float, float] | None,
     arg(metavar="X Y Z", help="Direction from the scene to the camera; default: a plane's normal, or obliquely."),
@@ -45,7 +47,7 @@ def convert(
     Times are in seconds. Positions, widths and velocities are in the stage's units, as in run.usdc (the files hold
     metersPerUnit); pressures and stresses are in Pa, strain energies in J/m^3. With --to vtkhdf (needs
     warp_mps[vtkhdf]): DIR/vtkhdf/NAME.vtkhdf, one file each with all frames. With --to usd: DIR/run_QUANTITY.usdc,
-    the animation whose displayColor is that of the quantity --colour, for usdview, Blender, Houdini or Omniverse.
+    the animation with displayColor set from the quantity --colour, for usdview, Blender, Houdini or Omniverse.
     """
     if to == "usd":
         from warp_mps.app.convert.coloured_usd import convert_to_usd
@@ -96,10 +98,10 @@ def picture(
 
     In 3-D the nearer particles hide the farther ones, and walls that stand before the others are as if of glass.
     """
-    from warp_mps.app.view.picture import Look, draw_picture
+    from warp_mps.app.view.picture import PictureOptions, draw_picture
 
-    look = Look(colour, limits, size, view)
-    return draw_picture(folder, out, time=time, look=look, overwrite=overwrite)
+    options = PictureOptions(colour, limits, size, view)
+    return draw_picture(folder, out, time=time, options=options, overwrite=overwrite)
 
 
 def video(
@@ -120,10 +122,12 @@ def video(
     overwrite: Overwrite = False,
 ) -> int:
     """Make a video of a run, of pictures as `warp-mps picture` draws them, all from one place."""
-    from warp_mps.app.view.picture import Look
+    from warp_mps.app.view.picture import PictureOptions
     from warp_mps.app.view.video import make_video
 
-    return make_video(folder, out, seconds=seconds, look=Look(colour, limits, size, view), overwrite=overwrite)
+    return make_video(
+        folder, out, seconds=seconds, options=PictureOptions(colour, limits, size, view), overwrite=overwrite
+    )
 
 
 def report(
@@ -131,7 +135,7 @@ def report(
     *,
     out: Annotated[Path | None, arg(metavar="FILE", help="File to write, .html; default: DIR/report.html.")] = None,
     overwrite: Overwrite = False,
-    watch: Annotated[bool, arg(help="Write the page anew until the run ends; an open page loads itself anew.")] = False,
+    watch: Annotated[bool, arg(help="Regenerate the page until the run ends; an open page reloads.")] = False,
     interval: Annotated[float, arg(metavar="S", help="Seconds between two pages of --watch.")] = 5.0,
 ) -> int:
     """Write a run as one HTML page that opens from the disk: DIR/report.html.

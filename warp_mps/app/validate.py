@@ -1,4 +1,4 @@
-"""Validation: cases are run, and what was measured is printed beside what is known."""
+"""Validation: run cases and print their measurements beside the references."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from warp_mps.app.printing import show_measurements
+from warp_mps.app.printing import print_measurements
 from warp_mps.errors import RunError
 from warp_mps.run.run import run_scene
 from warp_mps.usd.case.read import read_stage
@@ -36,7 +36,7 @@ def validate_cases(
     paths = [find_case(case) for case in cases or shipped_cases()]
     with tempfile.TemporaryDirectory(prefix="warp-mps-") as scratch:
         outcomes = [_run(path, out or Path(scratch), device, precision, allow_external) for path in paths]
-    show_measurements([row for rows, _ in outcomes for row in rows])
+    print_measurements([row for rows, _ in outcomes for row in rows])
     return 0 if all(good for _, good in outcomes) else 3
 
 

@@ -11,7 +11,7 @@ from pxr import Usd, UsdGeom
 from tests.app.results import SPACE, write_result
 from warp_mps.app.animation_reader import Animation
 from warp_mps.app.cli import main
-from warp_mps.app.view.colours import choose
+from warp_mps.app.view.colours import choose_colouring
 from warp_mps.usd.animation.colours import to_screen
 
 
@@ -28,7 +28,7 @@ def test_colours_are_those_of_the_values_in_every_frame(folder: Path, capsys: py
     assert (folder / "run.usdc").read_bytes() == before
     stage = Usd.Stage.Open(str(folder / "run_pressure.usdc"))
     animation = Animation(folder)
-    colouring = choose(animation, "pressure", (0.0, 2000.0))
+    colouring = choose_colouring(animation, "pressure", (0.0, 2000.0))
     block, floor = (UsdGeom.Points(stage.GetPrimAtPath(f"/Result/{name}")) for name in ("block", "floor"))
     assert block.GetDisplayColorPrimvar().GetInterpolation() == "vertex"
     for frame, code in enumerate(animation.codes):

@@ -126,8 +126,8 @@ def test_folders_without_a_run_are_refused(tmp_path: Path, capsys: pytest.Captur
         assert text.count("\n") == 1
         return text
 
-    assert "is no folder; give the folder that `warp-mps run` left" in refusal(tmp_path / "none")
-    assert "holds no run: there is no run.usdc in it" in refusal(tmp_path)
+    assert "is not a folder; give the output folder of `warp-mps run`" in refusal(tmp_path / "none")
+    assert "does not contain a run: run.usdc is missing" in refusal(tmp_path)
     (tmp_path / "run.usdc").write_text("not a stage")
     assert "is not a USD stage" in refusal(tmp_path)
     assert not (tmp_path / "pvd").exists()

@@ -100,7 +100,7 @@ def test_an_animation_alone_is_enough(tmp_path: Path) -> None:
             {"status": "failed", "reason": "interrupted; continue with --resume"},
             ">interrupted; continue with --resume<",
         ),
-        ({"status": "running"}, "stopped without a word"),
+        ({"status": "running"}, "stopped without an error message"),
     ],
 )
 def test_runs_that_did_not_end_well_say_so(tmp_path: Path, facts: dict[str, Any], words: str) -> None:
@@ -154,7 +154,7 @@ def test_a_run_is_watched_until_it_ends(tmp_path: Path, monkeypatch: pytest.Monk
 def test_a_watch_ends_with_a_run_that_was_killed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     write_run(tmp_path, status="running")
     monkeypatch.setattr(watch.time, "sleep", lambda seconds: pytest.fail("there is nothing to wait for"))
-    assert "stopped without a word" in report(tmp_path, "--watch")
+    assert "stopped without an error message" in report(tmp_path, "--watch")
 
 
 def test_a_run_that_ends_while_it_is_looked_at_is_finished(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -175,8 +175,8 @@ def test_what_cannot_be_reported_is_refused(tmp_path: Path, capsys: pytest.Captu
         assert text.count("\n") == 1
         return text
 
-    assert "is no folder" in refusal(str(tmp_path / "none"))
-    assert "holds no run" in refusal(str(tmp_path))
+    assert "is not a folder" in refusal(str(tmp_path / "none"))
+    assert "does not contain a run" in refusal(str(tmp_path))
     RunSummary(case="early").write(tmp_path / "run.json")
     assert "must end in .html" in refusal(str(tmp_path), "--out", "a.pdf")
     assert "must be 1 or more seconds" in refusal(str(tmp_path), "--watch", "--interval", "0")

@@ -14,8 +14,8 @@ from warp_mps.app.animation_reader import Animation
 from warp_mps.app.cli import main
 from warp_mps.app.report.frames import make_frames
 from warp_mps.app.report.quantities import quantities
-from warp_mps.app.view.colours import WALL, choose, choose_both, usual_range
-from warp_mps.app.view.picture import Look, Painter, find_frame
+from warp_mps.app.view.colours import WALL, choose_colouring, choose_colourings, robust_range
+from warp_mps.app.view.picture import Painter, PictureOptions, find_frame
 from warp_mps.app.view.video import pace
 from warp_mps.particles.filling import fill_scene
 from warp_mps.scene import Body, Fluid, Scene
@@ -44,8 +44,8 @@ def refusal(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
     return text
 
 
-def painted(folder: Path, frame: int = 0, **look: object) -> np.ndarray:
-    return Painter(Animation(folder), Look(size=(360, 240), **look)).draw(frame).astype(int)  # type: ignore[arg-type]
+def painted(folder: Path, frame: int = 0, **options: object) -> np.ndarray:
+    return Painter(Animation(folder), PictureOptions(size=(360, 240), **options)).draw(frame).astype(int)  # type: ignore[arg-type]
 
 
 def test_a_picture_is_a_file_of_the_size_that_was_asked_for(plane: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -69,7 +69,7 @@ def test_the_headline_has_the_time_or_the_load_factor(plane: Path) -> None:
 
 def test_particles_are_where_the_camera_has_them_in_the_colours_of_their_values(plane: Path) -> None:
     animation = Animation(plane)
-    painter = Painter(animation, Look(size=(720, 480)))
+    painter = Painter(animation, PictureOptions(size=(720, 480)))
     image, seen = painter.draw(2) / 255.0, painter._spheres(2)
     middles = (seen.centres / 2.0).astype(int)
     assert painter.colourings[0].name == "von_mises"
@@ -86,7 +86,7 @@ def test_particles_are_where_the_camera_has_them_in_the_colours_of_their_values(
 def test_frames_differ_by_what_moved(plane: Path) -> None:
     first, last = painted(plane, 0), painted(plane, 2)
     changed = np.abs(first - last).max(axis=2) > 8
-    below = Painter(Animation(plane), Look(size=(360, 240)))._spheres(0).centres[8:, 1].min() / 2.0
+    below = Painter(Animation(plane), PictureOptions(size=(360, 240)))._spheres(0).centres[8:, 1].min() / 2.0
     # the block and the time change, the floor does not
     assert changed[: int(below) - 8].any()
     assert not changed[int(below) : 205].any()
@@ -96,11 +96,11 @@ def test_a_nearer_body_hides_a_farther_one_and_walls_before_it_are_of_glass(spac
     """From below the floor stands before the block, which is seen through it; from above it is the other way."""
 
     def glass(view: tuple[float, float, float]) -> list[int]:
-        return Painter(Animation(space), Look(size=(360, 240), view=view))._glass
+        return Painter(Animation(space), PictureOptions(size=(360, 240), view=view))._glass
 
     assert glass((0.3, -1.0, 0.2)) == [1]
     assert glass((0.3, 1.0, 0.2)) == []
-    painter = Painter(Animation(space), Look(size=(360, 240), view=(0.0, 1.0, 1e-3), colour="body"))
+    painter = Painter(Animation(space), PictureOptions(size=(360, 240), view=(0.0, 1.0, 1e-3), colour="body"))
     image, seen = painter.draw(0).astype(int), painter._spheres(0)
     assert seen.depths[16:].min() > seen.depths[:16].max()
     hues = {"hidden": set(), "seen": set()}  # type: ignore[var-annotated]
@@ -120,7 +120,7 @@ def test_the_direction_of_view_turns_the_picture(space: Path) -> None:
 
 @pytest.mark.parametrize("view", [None, (0.2, 0.9, 0.1)])
 def test_everything_is_in_the_picture(space: Path, view: tuple[float, float, float] | None) -> None:
-    painter = Painter(Animation(space), Look(size=(400, 300), view=view))
+    painter = Painter(Animation(space), PictureOptions(size=(400, 300), view=view))
     for frame in range(3):
         seen = painter._spheres(frame)
         low, high = (seen.centres - seen.radii[:, None]).min(axis=0), (seen.centres + seen.radii[:, None]).max(axis=0)
@@ -130,22 +130,22 @@ def test_everything_is_in_the_picture(space: Path, view: tuple[float, float, flo
 
 
 def test_limits_of_colours() -> None:
-    assert usual_range(np.linspace(0.0, 97.0, 1000)) == (0.0, 100.0)
-    assert usual_range(np.linspace(-40.0, 97.0, 1000)) == (-100.0, 100.0)
-    assert usual_range(np.linspace(-970.0, -3.0, 1000)) == (-1000.0, 0.0)
-    assert usual_range(np.zeros(3)) == (0.0, 1.0)
-    assert usual_range(np.full(3, 7.3)) == (0.0, 8.0)
+    assert robust_range(np.linspace(0.0, 97.0, 1000)) == (0.0, 100.0)
+    assert robust_range(np.linspace(-40.0, 97.0, 1000)) == (-100.0, 100.0)
+    assert robust_range(np.linspace(-970.0, -3.0, 1000)) == (-1000.0, 0.0)
+    assert robust_range(np.zeros(3)) == (0.0, 1.0)
+    assert robust_range(np.full(3, 7.3)) == (0.0, 8.0)
     # single values do not stretch them
-    assert usual_range(np.concatenate([np.linspace(0.0, 97.0, 10_000), [1e9]])) == (0.0, 100.0)
+    assert robust_range(np.concatenate([np.linspace(0.0, 97.0, 10_000), [1e9]])) == (0.0, 100.0)
 
 
 def test_labels_have_units(plane: Path) -> None:
     animation = Animation(plane)
-    assert choose(animation).label == "von Mises stress [Pa]"
-    assert choose(animation, "pressure", (0.0, 3e5)).label == "pressure [kPa]"
-    speed = choose(animation, "speed")
+    assert choose_colouring(animation).label == "von Mises stress [Pa]"
+    assert choose_colouring(animation, "pressure", (0.0, 3e5)).label == "pressure [kPa]"
+    speed = choose_colouring(animation, "speed")
     assert (speed.label, speed.low, speed.high) == ("speed [m/s]", 0.0, 2.0)
-    beyond = choose(animation, "pressure", (100.0, 300.0))
+    beyond = choose_colouring(animation, "pressure", (100.0, 300.0))
     assert (beyond.below, beyond.above) == (True, True)
 
 
@@ -174,11 +174,11 @@ def test_outputs_are_of_bodies(coupled: Animation) -> None:
 
 
 def test_in_coupled_runs_water_has_its_pressure_and_bodies_their_stress(coupled: Animation) -> None:
-    animation, colouring = coupled, choose(coupled)
+    animation, colouring = coupled, choose_colouring(coupled)
     assert (colouring.name, colouring.low, colouring.high) == ("pressure", 0.0, 400.0)
     assert np.array_equal(colouring.colors(animation, 0, 0), np.tile(animation.clouds[0].color, (4, 1)))
     assert len(np.unique(colouring.colors(animation, 1, 0), axis=0)) == 4
-    water, bodies = choose_both(animation)
+    water, bodies = choose_colourings(animation)
     assert water == colouring
     assert (bodies.name, bodies.low, bodies.high) == ("von_mises", 0.0, 1e6)
     assert (water.label, bodies.label) == ("pressure, fluid [Pa]", "von Mises stress, bodies [kPa]")
@@ -188,11 +188,11 @@ def test_in_coupled_runs_water_has_its_pressure_and_bodies_their_stress(coupled:
     assert np.array_equal(both._colors(1, 0), water.colors(animation, 1, 0))
     # whichever of the two is asked for, the limits are its own
     for name, own in (("pressure", 0), ("von_mises", 1)):
-        found = choose_both(animation, name, (1.0, 2.0))
+        found = choose_colourings(animation, name, (1.0, 2.0))
         assert [item.name for item in found] == ["pressure", "von_mises"]
         assert (found[own].low, found[own].high) == (1.0, 2.0)
         assert found[1 - own] == (water, bodies)[1 - own]
-    assert [item.label for item in choose_both(animation, "speed")] == ["speed [m/s]"]
+    assert [item.label for item in choose_colourings(animation, "speed")] == ["speed [m/s]"]
 
 
 def test_find_frame(plane: Path) -> None:
@@ -214,10 +214,10 @@ def test_what_cannot_be_drawn_is_refused(plane: Path, capsys: pytest.CaptureFixt
     assert "must end in .png or .webp" in refusal(capsys, "picture", folder, "--out", "a.jpg")
     assert "must end in .mp4 or .webp or .gif" in refusal(capsys, "video", folder, "--out", "a.avi")
     assert "--seconds: is 0, must be" in refusal(capsys, "video", folder, "--seconds", "0")
-    assert "is no folder" in refusal(capsys, "picture", str(plane / "none"))
+    assert "is not a folder" in refusal(capsys, "picture", str(plane / "none"))
     write_result(plane, frames=0)
     (plane / "run.usdc").unlink()
-    assert "holds no run" in refusal(capsys, "video", folder)
+    assert "does not contain a run" in refusal(capsys, "video", folder)
     assert not list(plane.glob("*.png"))
 
 

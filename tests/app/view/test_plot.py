@@ -18,7 +18,7 @@ LABELS = (TIME_LABEL, "tip.x [m]", "tip.y [m]", "middle.x [m]", "middle.y [m]", 
 
 
 def history() -> History:
-    """A tip whose components are near each other, a middle whose are not, a pressure, and energies of a fall."""
+    """A tip owner_of components are near each other, a middle owner_of are not, a pressure, and energies of a fall."""
     times = np.linspace(0.0, 1.0, 11)
     rows = [
         (t, 0.1 * t, t**2, 5.0 + 0.1 * t, 0.1 * t, 3e4 * t, 2.0 * t, 0.0, 0.0, 100.0 - 2.0 * t, 0.0, 0.0) for t in times
@@ -88,7 +88,7 @@ def test_what_cannot_be_drawn_is_refused(tmp_path: Path, capsys: pytest.CaptureF
         assert text.count("\n") == 1
         return text
 
-    assert "is no folder" in refusal(str(tmp_path / "none"))
+    assert "is not a folder" in refusal(str(tmp_path / "none"))
     assert "probes.csv: cannot be read" in refusal(str(tmp_path))
     assert "must end in .png or .svg or .pdf" in refusal(str(tmp_path), "--out", "a.bmp")
     write_history(tmp_path / "probes.csv", History(history().labels))

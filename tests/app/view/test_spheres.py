@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from warp_mps.app.view import spheres as splat
-from warp_mps.app.view.spheres import NOTHING, Spheres, nearest, obscurance, shade
+from warp_mps.app.view.spheres import NOTHING, Spheres, ambient_occlusion, nearest, shade
 
 
 def spheres(*rows: tuple[float, float, float, float]) -> Spheres:
@@ -96,7 +96,7 @@ def test_what_lies_behind_its_neighbours_is_darker() -> None:
     depths = np.full((20, 20), 10.0, dtype=np.float32)
     depths[:, 10:] = 4.0
     depths[:5] = np.inf
-    light = obscurance(depths, 2, 1.0)
+    light = ambient_occlusion(depths, 2, 1.0)
     assert light[12, 9] < 0.9 < light[12, 4] == 1.0
     assert light[12, 12] == 1.0
     assert (light[:5] == 1.0).all()

@@ -25,7 +25,7 @@ WAYS = ("explicit", "implicit")
 PLATE = Material(500.0, 1e9, 0.3)
 # longest steps of the water in an interval; intervals before anything is measured, and measured ones
 INTERVAL, WARM, MEASURED = 8.0, 2, 4
-# the parts of a step by the launches of the water that make them; what is neither is the exchange
+# parts of a step by the launches of the fluid; the remainder is the coupling
 PARTS = {"plan": "fluid", "begin": "fluid", "end": "fluid", "project": "pressure"}
 COLUMNS = ("space", "fluid", "bodies", "steps of bodies", "precision", "ms a step", "passes", "iterations a solve")
 

@@ -1,4 +1,4 @@
-"""An animation whose particles have the colours of a quantity."""
+"""An animation with particles coloured by a quantity."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from pxr import Gf, Tf, Usd, UsdGeom, Vt
 
 from warp_mps.app.animation_reader import Animation, refuse_existing
 from warp_mps.app.view import figures
-from warp_mps.app.view.colours import choose, colourable
+from warp_mps.app.view.colours import choose_colouring, has_colour
 from warp_mps.errors import InputError
 from warp_mps.usd.animation.colours import to_light
 
@@ -18,7 +18,7 @@ from warp_mps.usd.animation.colours import to_light
 def convert_to_usd(
     folder: Path, colour: str | None, limits: tuple[float, float] | None, *, overwrite: bool = False
 ) -> int:
-    """Write a copy of a run's animation whose ``displayColor`` is that of a quantity in every frame.
+    """Write a copy of a run's animation with ``displayColor`` set from a quantity in every frame.
 
     The file is ``run_QUANTITY.usdc`` in the folder. The colours are those of pictures and videos, as amounts of light,
     which is what USD takes them for; walls keep theirs. customLayerData says what the ends of the colours stand for.
@@ -33,7 +33,7 @@ def convert_to_usd(
         InputError: There is no run in the folder, it has no such quantity, or the file cannot be written.
     """
     animation = Animation(folder)
-    colouring = choose(animation, colour, limits)
+    colouring = choose_colouring(animation, colour, limits)
     if colouring.name == "body":
         raise InputError("--colour", "", f"is body, which is what {animation.path.name} has; give a quantity, or speed")
     path = folder / f"run_{colouring.name}.usdc"
@@ -43,7 +43,7 @@ def convert_to_usd(
         shutil.copyfile(animation.path, temporary)
         stage = Usd.Stage.Open(str(temporary))
         for cloud, points in enumerate(animation.prims(stage)):
-            if colourable(animation, cloud, colouring.name):
+            if has_colour(animation, cloud, colouring.name):
                 primvar = points.GetDisplayColorPrimvar()
                 primvar.GetAttr().Clear()
                 primvar.SetInterpolation(UsdGeom.Tokens.vertex)

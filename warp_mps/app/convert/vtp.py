@@ -31,7 +31,7 @@ def polydata(
         points: Positions, shape [n, 3].
         arrays: Values at the points by name, shape [n], [n, 3] or [n, 3, 3].
         units: Units of some of the arrays, which ParaView shows.
-        facts: What holds for the file as a whole, as its field data; ``TimeValue`` is the time [s].
+        facts: Field data of the whole file; ``TimeValue`` is the time [s].
     """
     count = len(points)
     vertices = np.arange(count, dtype=np.int32)

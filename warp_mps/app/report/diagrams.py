@@ -1,4 +1,4 @@
-"""The diagrams of a history as the page draws them: few enough points, the references, and what was measured."""
+"""The diagrams of a history as the page draws them: thinned points, references and measurements."""
 
 from __future__ import annotations
 

@@ -11,7 +11,7 @@ from warp_mps.app.animation_reader import Animation, Cloud
 from warp_mps.app.report.bounds import axes_of, box_of, seen_of
 from warp_mps.app.report.encode import MISSING, Packed, pack, quantize
 from warp_mps.app.report.quantities import Range, quantities, range_of, title_of, unit_of
-from warp_mps.app.view.colours import whose
+from warp_mps.app.view.colours import owner_of
 
 # by the name of a quantity and the number of a cloud
 Table = dict[str, dict[int, np.ndarray]]
@@ -30,7 +30,7 @@ class Frames:
     Attributes:
         facts: Everything but the packed arrays, ready for JSON; ``{"block": k}`` in it stands for ``blocks[k]``.
         blocks: The packed arrays' texts.
-        remarks: What is not shown, and why.
+        remarks: Reasons why something is not shown.
     """
 
     facts: dict[str, Any]
@@ -72,7 +72,7 @@ def make_frames(animation: Animation) -> Frames:
     names = _choose_quantities(frames, animation, colored, len(chosen))
     values = _read_values(animation, colored, chosen, names, axes)
     _add_quantities(frames, values)
-    frames.facts["first"] = _first(frames.facts["quantities"], whose(animation, "pressure") == "fluid")
+    frames.facts["first"] = _first(frames.facts["quantities"], owner_of(animation, "pressure") == "fluid")
     frames.facts["clouds"] = [
         _cloud(frames, animation, n, _pack_places(frames, places[n], low, high), values) for n in numbers
     ]
@@ -82,7 +82,7 @@ def make_frames(animation: Animation) -> Frames:
 def _moves(animation: Animation, number: int) -> bool:
     """Whether a cloud is elsewhere in any of some frames."""
     start = animation.points(number, 0)
-    return any(not np.array_equal(animation.points(number, frame), start) for frame in animation.some_frames())
+    return any(not np.array_equal(animation.points(number, frame), start) for frame in animation.sample_frames())
 
 
 def _is_wall(cloud: Cloud) -> bool:

@@ -23,11 +23,11 @@ class Run:
 
     Attributes:
         folder: The folder.
-        state: ``done``, ``running``, ``failed``, or ``stopped``: it ended without a word.
+        state: ``done``, ``running``, ``failed``, or ``stopped``: its process ended without writing a status.
         summary: Its summary; while it runs, brought up to date from the history.
-        history: Its history, None if there is none with a row.
-        animation: Its animation, None if there is none with a frame.
-        remarks: What is missing, and why.
+        history: History; None if there is no row.
+        animation: Animation; None if there is no frame.
+        remarks: Missing or damaged parts, with the reason.
     """
 
     folder: Path
@@ -45,9 +45,11 @@ def gather(folder: Path) -> Run:
         InputError: There is no such folder, or nothing of a run in it.
     """
     if not folder.is_dir():
-        raise InputError(str(folder), "", "is no folder; give the folder that `warp-mps run` left, such as runs/CASE")
+        raise InputError(
+            str(folder), "", "is not a folder; give the output folder of `warp-mps run`, such as runs/CASE"
+        )
     if not any((folder / name).is_file() for name in (ANIMATION, PROBES, SUMMARY)):
-        raise InputError(str(folder), "", f"holds no run: there is no {SUMMARY}, {PROBES} or {ANIMATION} in it")
+        raise InputError(str(folder), "", f"does not contain a run: it has no {SUMMARY}, {PROBES} or {ANIMATION}")
     remarks: list[str] = []
     summary, state = _read_state(folder, remarks)
     history = _read_history(folder, remarks)

@@ -34,7 +34,7 @@ def write_report(folder: Path, path: Path, *, reload: float | None = None) -> tu
     Args:
         folder: Folder of the run.
         path: File to write.
-        reload: Seconds after which an open page loads itself anew while the run goes on; None is never.
+        reload: Seconds after which an open page reloads while the run goes on; None disables it.
 
     Returns:
         State of the run and what is missing of it, as `Run` has them. The animation is let go of: a file that is held

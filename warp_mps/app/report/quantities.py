@@ -9,7 +9,7 @@ from functools import cache, partial
 import numpy as np
 
 from warp_mps.app.animation_reader import UNITS, Animation
-from warp_mps.app.view.colours import NAMES, usual_range, whose
+from warp_mps.app.view.colours import NAMES, owner_of, robust_range
 from warp_mps.scene.components import TENSORS, tensor_places
 
 Values = Callable[[], np.ndarray]
@@ -27,7 +27,7 @@ class Range:
     Attributes:
         least: The least.
         greatest: The greatest.
-        shown: Those that the colours stand for at first; see `warp_mps.app.view.colours.usual_range`.
+        shown: Those that the colours stand for at first; see `warp_mps.app.view.colours.robust_range`.
     """
 
     least: float
@@ -52,7 +52,7 @@ def title_of(name: str) -> str:
 
 
 def quantities(animation: Animation, cloud: int, frame: int, *, axes: str) -> dict[str, Values]:
-    """What a cloud can be coloured by in a frame, what people look at most first: names, and what gives the values.
+    """The quantities that can colour a cloud in a frame, the most used first, each with a function for its values.
 
     Args:
         animation: The frames.
@@ -66,7 +66,7 @@ def quantities(animation: Animation, cloud: int, frame: int, *, axes: str) -> di
         name: partial(np.asarray, found[name]) for name in ("pressure", "von_mises", "strain_energy") if name in found
     }
     if animation.clouds[cloud].role == "body":
-        if "pressure" in made and whose(animation, "pressure") == "fluid":
+        if "pressure" in made and owner_of(animation, "pressure") == "fluid":
             made[IN_BODIES] = made.pop("pressure")
             found[IN_BODIES] = found.pop("pressure")
         made["displacement"] = lambda: unit * _size(animation.points(cloud, frame) - animation.points(cloud, 0))
@@ -105,5 +105,5 @@ def range_of(values: np.ndarray) -> Range:
     finite = values[np.isfinite(values)]
     if not len(finite):
         return Range(0.0, 0.0, (0.0, 1.0))
-    shown = usual_range(finite[:: max(1, len(finite) // SAMPLES)])
+    shown = robust_range(finite[:: max(1, len(finite) // SAMPLES)])
     return Range(float(finite.min()), float(finite.max()), shown)

@@ -1,4 +1,4 @@
-"""The page's tables: how the run went, what was measured, its accounts and its settings, as HTML."""
+"""The page's tables: status, measurements, energy and momentum balances, and settings, as HTML."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ STATES = {
     "done": "finished",
     "running": "running",
     "failed": "failed",
-    "stopped": "stopped without a word, e.g. as its process was killed",
+    "stopped": "stopped without an error message, for example because its process was killed",
 }
 RECORDS = {
     "lost": "particles that left the domain",
@@ -35,7 +35,7 @@ def state_text(run: Run) -> str:
 
 
 def number(value: Any, digits: int = 5) -> str:
-    """A number as text; a dash where there is none."""
+    """A number as text; a dash for None or NaN."""
     if value is None or (isinstance(value, float) and not math.isfinite(value)):
         return "-"
     return f"{value:.{digits}g}" if isinstance(value, float) else str(value)
@@ -67,7 +67,7 @@ def cards(run: Run) -> str:
 
 
 def measurements(run: Run) -> str:
-    """What was measured, beside the references and where these come from."""
+    """The measurements, with references and their sources."""
     rows = run.summary.measurements
     if not rows:
         when = "They are made at the end of the run." if run.state == "running" else "None were made."

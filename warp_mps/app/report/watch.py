@@ -13,7 +13,7 @@ from warp_mps.errors import InputError
 
 
 def report_run(folder: Path, out: Path | None = None, *, overwrite: bool = False, interval: float | None = None) -> int:
-    """Write the page of a run, and anew until the run ends if asked to.
+    """Write the page of a run; with an interval, regenerate it until the run ends.
 
     Args:
         folder: Folder of the run.
@@ -22,7 +22,7 @@ def report_run(folder: Path, out: Path | None = None, *, overwrite: bool = False
         interval: Seconds between two pages; None writes one.
 
     Raises:
-        InputError: There is no run in the folder, the file cannot be written, or the interval is none.
+        InputError: There is no run in the folder, the file cannot be written, or the interval is invalid.
     """
     path = out or folder / "report.html"
     require_format(path, ("html",))

@@ -1,4 +1,4 @@
-"""What is around the scene in a picture: its headline, the meaning of its colours, and a length."""
+"""The annotations of a picture: headline, colour bars or names, and a scale bar."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ LARGEST, SMALLEST, LEAST_FIELD = (1280, 800), (160, 120), (460.0, 200.0)
 
 
 def scale(size: tuple[int, int]) -> float:
-    """Size of what is written in a picture of that width and height [px], 1 where there is room."""
+    """Scale of the text in a picture of that width and height [px]; 1 in a large picture."""
     return min(1.0, size[0] / 600.0, size[1] / 340.0)
 
 
@@ -34,11 +34,11 @@ def field(size: tuple[int, int]) -> tuple[float, float, float, float]:
     return left, top, size[0] - right, size[1] - bottom
 
 
-def suitable_size(local: np.ndarray, width: float) -> tuple[int, int]:
+def fitted_size(local: np.ndarray, width: float) -> tuple[int, int]:
     """Width and height of a picture that suits particles [px], even as videos need them.
 
     Args:
-        local: Positions along the picture's right, its top and towards who looks, shape [n, 3].
+        local: Positions along the picture's right, its top and towards the viewer, shape [n, 3].
         width: Width of a particle, in the same unit.
     """
     extent = np.ptp(local[:, :2], axis=0) + width
@@ -48,7 +48,7 @@ def suitable_size(local: np.ndarray, width: float) -> tuple[int, int]:
     return 2 * math.ceil((room[0] + left + right) / 2.0), 2 * math.ceil((room[1] + top + bottom) / 2.0)
 
 
-class Sheet:
+class Annotations:
     """A picture without its scene.
 
     Args:
@@ -87,7 +87,7 @@ class Sheet:
 
         Args:
             pixels: Colours of the scene from 0 to 1, shape [height, width, 3].
-            headline: What stands above it.
+            headline: Text above the scene.
         """
         self._image.set_data(pixels)
         self._headline.set_text(headline)

@@ -1,4 +1,4 @@
-"""Where a picture is taken from."""
+"""The camera of a picture."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ class Camera:
     """A camera before a scene.
 
     Attributes:
-        axes: The picture's right, its top and the direction to who looks, as rows, shape [3, 3].
+        axes: The picture's right, its top and the direction to the viewer, as rows, shape [3, 3].
         target: Point in the middle of the picture [stage units], shape [3].
         scale: Pixels per stage unit at the target [px].
         middle: Column and row of the target [px].

@@ -1,4 +1,4 @@
-"""What the particles of a picture are coloured by, and how values become colours."""
+"""Colour maps: the quantity that colours the particles of a picture, and its range."""
 
 from __future__ import annotations
 
@@ -64,16 +64,16 @@ class Colouring:
 
     @property
     def label(self) -> str:
-        """What the values are and whose, with their unit."""
-        whose = f", {self.of}" if self.of else ""
-        return f"{NAMES.get(self.name, self.name)}{whose} [{self.prefix[1]}{UNITS.get(self.name, 'm/s')}]"
+        """Label of the colour bar: quantity, owner and unit."""
+        owner_of = f", {self.of}" if self.of else ""
+        return f"{NAMES.get(self.name, self.name)}{owner_of} [{self.prefix[1]}{UNITS.get(self.name, 'm/s')}]"
 
     def colors(self, animation: Animation, cloud: int, frame: int) -> np.ndarray:
         """Colours of a cloud, from 0 to 1 as a screen shows them, shape [n, 3]."""
         item = animation.clouds[cloud]
         if self.name == "body":
             return np.tile(item.color, (len(item.ids), 1))
-        if not colourable(animation, cloud, self.name):
+        if not has_colour(animation, cloud, self.name):
             return np.tile(WALL if item.role == "wall" else item.color, (len(item.ids), 1))
         share = (values(animation, cloud, frame, self.name) - self.low) / (self.high - self.low)
         return np.asarray(self.colormap(np.clip(share, 0.0, 1.0))[:, :3])
@@ -82,7 +82,9 @@ class Colouring:
 Colourings = tuple[Colouring, ...]
 
 
-def choose(animation: Animation, name: str | None = None, limits: tuple[float, float] | None = None) -> Colouring:
+def choose_colouring(
+    animation: Animation, name: str | None = None, limits: tuple[float, float] | None = None
+) -> Colouring:
     """What to colour by, the same for all frames.
 
     Args:
@@ -104,30 +106,33 @@ def choose(animation: Animation, name: str | None = None, limits: tuple[float, f
         raise InputError("--limits", "", f"is {limits[0]:g} {limits[1]:g}, must be two numbers, the smaller one first")
     if name == "body":
         return Colouring(name)
-    clouds = [number for number in range(len(animation.clouds)) if colourable(animation, number, name)]
-    found = [values(animation, cloud, frame, name) for frame in animation.some_frames() for cloud in clouds]
+    clouds = [number for number in range(len(animation.clouds)) if has_colour(animation, number, name)]
+    found = [values(animation, cloud, frame, name) for frame in animation.sample_frames() for cloud in clouds]
     everything = np.concatenate([*found, np.zeros(0)])
     everything = everything[np.isfinite(everything)] if np.isfinite(everything).any() else np.zeros(1)
-    low, high = limits or usual_range(everything)
+    low, high = limits or robust_range(everything)
     return Colouring(
-        name, low, high, bool(everything.min() < low), bool(everything.max() > high), whose(animation, name)
+        name, low, high, bool(everything.min() < low), bool(everything.max() > high), owner_of(animation, name)
     )
 
 
-def choose_both(animation: Animation, name: str | None = None, limits: tuple[float, float] | None = None) -> Colourings:
+def choose_colourings(
+    animation: Animation, name: str | None = None, limits: tuple[float, float] | None = None
+) -> Colourings:
     """What to colour by, fluids first: beside a quantity of one side, in runs of both, also one of the other.
 
-    The pressure of the fluid stands beside what is chosen of bodies, and their von Mises stress, if the run has it,
-    beside the pressure of the fluid. Arguments and errors are those of :func:`choose`; limits are of what is chosen.
+    A quantity of the bodies is shown with the pressure of the fluid, and the pressure of the fluid with the von Mises
+    stress of the bodies if the run has it. Arguments and errors are those of :func:`choose_colouring`;
+    the limits belong to the chosen quantity.
     """
-    chosen = choose(animation, name, limits)
+    chosen = choose_colouring(animation, name, limits)
     if chosen.of == "bodies":
-        return choose(animation, "pressure"), chosen
+        return choose_colouring(animation, "pressure"), chosen
     stressed = any(cloud.role == "body" and "von_mises" in cloud.scalars for cloud in animation.clouds)
-    return (chosen, choose(animation, "von_mises")) if chosen.of == "fluid" and stressed else (chosen,)
+    return (chosen, choose_colouring(animation, "von_mises")) if chosen.of == "fluid" and stressed else (chosen,)
 
 
-def whose(animation: Animation, name: str) -> str:
+def owner_of(animation: Animation, name: str) -> str:
     """Whose a quantity is in a run of fluids and bodies: ``fluid``, ``bodies``, or empty where it is of both.
 
     The pressure is that of the fluid, for in bodies it is another thing, and often of another size.
@@ -137,14 +142,14 @@ def whose(animation: Animation, name: str) -> str:
     return "fluid" if name == "pressure" else "bodies"
 
 
-def colourable(animation: Animation, cloud: int, name: str) -> bool:
+def has_colour(animation: Animation, cloud: int, name: str) -> bool:
     """Whether the particles of a cloud are coloured by a quantity.
 
     Walls are the background, and stay grey.
     """
     item = animation.clouds[cloud]
     others = {"fluid": "body", "bodies": "fluid"}
-    if item.role in ("wall", others.get(whose(animation, name))):
+    if item.role in ("wall", others.get(owner_of(animation, name))):
         return False
     return name == "speed" or name in item.scalars
 
@@ -160,7 +165,7 @@ def values(animation: Animation, cloud: int, frame: int, name: str) -> np.ndarra
     return animation.scalar(cloud, frame, name)
 
 
-def usual_range(found: np.ndarray) -> tuple[float, float]:
+def robust_range(found: np.ndarray) -> tuple[float, float]:
     """Round numbers around nearly all values: from zero on, or as far below it as above if there are both signs."""
     low, high = (float(value) for value in np.percentile(found, [BEYOND, 100.0 - BEYOND]))
     size = max(abs(low), abs(high))

@@ -1,4 +1,4 @@
-"""What the figures have in common: type, colours, and how they become files."""
+"""Style of the figures, and writing them to files."""
 
 from __future__ import annotations
 
@@ -47,13 +47,13 @@ STYLE: dict[Any, Any] = {
 
 @contextmanager
 def style() -> Iterator[None]:
-    """The look of the figures that are made and saved inside."""
+    """Context with the style of the figures."""
     with mpl.rc_context(STYLE):
         yield
 
 
 def require_format(path: Path, formats: Sequence[str]) -> None:
-    """Refuse a name whose ending is no format that can be written.
+    """Refuse a file name with an unsupported suffix.
 
     Raises:
         InputError: The name ends otherwise.

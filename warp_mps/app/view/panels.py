@@ -1,4 +1,4 @@
-"""What a history shows: which lines share a diagram, and which references are values in it."""
+"""The diagrams of a history: lines that share axes, and the references drawn in them."""
 
 from __future__ import annotations
 

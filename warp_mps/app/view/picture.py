@@ -11,10 +11,10 @@ import numpy as np
 
 from warp_mps.app.animation_reader import Animation, refuse_existing
 from warp_mps.app.view import figures
-from warp_mps.app.view.annotations import SMALLEST, Sheet, field, suitable_size
+from warp_mps.app.view.annotations import SMALLEST, Annotations, field, fitted_size
 from warp_mps.app.view.camera import frame_points
-from warp_mps.app.view.colours import choose_both, colourable
-from warp_mps.app.view.spheres import Spheres, Surface, nearest, obscurance, shade
+from warp_mps.app.view.colours import choose_colourings, has_colour
+from warp_mps.app.view.spheres import Spheres, Surface, ambient_occlusion, nearest, shade
 from warp_mps.errors import InputError
 from warp_mps.usd.animation.viewpoint import plane_axes, space_axes
 
@@ -32,8 +32,8 @@ FAR = 0.05
 
 
 @dataclass(frozen=True)
-class Look:
-    """What a user may choose of a picture; None is what suits the run.
+class PictureOptions:
+    """Options of a picture; None chooses by the run.
 
     Attributes:
         colour: ``body``, ``speed`` or a quantity of the run.
@@ -48,7 +48,7 @@ class Look:
     view: tuple[float, float, float] | None = None
 
 
-AS_SUITS = Look()
+DEFAULT_OPTIONS = PictureOptions()
 
 
 class Painter:
@@ -56,29 +56,29 @@ class Painter:
 
     Args:
         animation: The run.
-        look: What a user chose.
+        options: What a user chose.
 
     Raises:
         InputError: The run has no such quantity, or the size or the direction cannot be.
     """
 
-    def __init__(self, animation: Animation, look: Look = AS_SUITS) -> None:
+    def __init__(self, animation: Animation, options: PictureOptions = DEFAULT_OPTIONS) -> None:
         self.animation = animation
-        self.colourings = choose_both(animation, look.colour, look.limits)
-        self._frames = animation.some_frames()
-        points, widths = self._everywhere()
-        axes, self._flat = _axes(points, animation.up_axis, look.view)
-        self.size = look.size or suitable_size(points @ axes.T, float(widths.max()))
+        self.colourings = choose_colourings(animation, options.colour, options.limits)
+        self._frames = animation.sample_frames()
+        points, widths = self._extent()
+        axes, self._flat = _axes(points, animation.up_axis, options.view)
+        self.size = options.size or fitted_size(points @ axes.T, float(widths.max()))
         _check_size(self.size)
         left, top, right, bottom = (FINE * edge for edge in field(self.size))
         self.camera = frame_points(axes, points, widths, (left, top, right, bottom), flat=self._flat)
-        self._glass = self._walls_in_the_way()
+        self._glass = self._occluding_walls()
 
     def draw(self, frame: int) -> np.ndarray:
         """The picture of a frame, shape [height, width, 3], as bytes."""
         width, height = self.size
         pixels = self._particles(frame).reshape(height, FINE, width, FINE, 3).mean(axis=(1, 3))
-        return self._sheet.fill(pixels, f"{self._case}   {self._moment(frame)}")
+        return self._annotations.fill(pixels, f"{self._case}   {self._moment(frame)}")
 
     def _particles(self, frame: int) -> np.ndarray:
         """The scene alone, on white, finely; shape [FINE height, FINE width, 3]."""
@@ -96,7 +96,7 @@ class Painter:
 
     def _colors(self, cloud: int, frame: int) -> np.ndarray:
         """Colours of a cloud, shape [n, 3]."""
-        own = [item for item in self.colourings if colourable(self.animation, cloud, item.name)]
+        own = [item for item in self.colourings if has_colour(self.animation, cloud, item.name)]
         return [*own, self.colourings[0]][0].colors(self.animation, cloud, frame)
 
     def _layer(
@@ -108,10 +108,10 @@ class Painter:
         if not self._flat and kept.any():
             radius, unit = float(np.median(some.radii)), float(np.median(some.bulges))
             for reach in (radius, 3.0 * radius):
-                image *= obscurance(surface.depths, max(1, round(reach)), unit * reach / radius)[:, :, None]
+                image *= ambient_occlusion(surface.depths, max(1, round(reach)), unit * reach / radius)[:, :, None]
         return image, surface
 
-    def _walls_in_the_way(self) -> list[int]:
+    def _occluding_walls(self) -> list[int]:
         """Walls that hide what they hold, in any of some frames."""
         walls = [number for number, cloud in enumerate(self.animation.clouds) if cloud.role == "wall"]
         if self._flat or len(walls) == len(self.animation.clouds):
@@ -129,7 +129,7 @@ class Painter:
                     found.add(wall)
         return sorted(found)
 
-    def _everywhere(self) -> tuple[np.ndarray, np.ndarray]:
+    def _extent(self) -> tuple[np.ndarray, np.ndarray]:
         """Where particles are at any time, shape [n, 3], and their widths, without single drops that fly far."""
         kept = []
         for cloud, item in enumerate(self.animation.clouds):
@@ -171,16 +171,21 @@ class Painter:
         return f"t = {times[frame]:.{digits}f} s"
 
     @cached_property
-    def _sheet(self) -> Sheet:
+    def _annotations(self) -> Annotations:
         clouds = self.animation.clouds
         # a view from near has no one scale
         meters = self.animation.meters_per_unit * FINE / self.camera.scale if self._flat else None
         names = {cloud.name: tuple(cloud.color) for cloud in clouds}
-        return Sheet(self.size, self.colourings, names, meters)
+        return Annotations(self.size, self.colourings, names, meters)
 
 
 def draw_picture(
-    folder: Path, out: Path | None = None, *, time: float | None = None, look: Look = AS_SUITS, overwrite: bool = False
+    folder: Path,
+    out: Path | None = None,
+    *,
+    time: float | None = None,
+    options: PictureOptions = DEFAULT_OPTIONS,
+    overwrite: bool = False,
 ) -> int:
     """Draw one moment of a run.
 
@@ -188,11 +193,11 @@ def draw_picture(
         folder: Folder of the run.
         out: File to write, ending in .png or .webp; None is picture.png in the folder.
         time: The moment [s], of which the nearest frame is drawn; None is the last.
-        look: What the picture shows, and how.
+        options: What the picture shows, and how.
         overwrite: Whether to replace the file.
 
     Raises:
-        InputError: There is no run in the folder or no frame of it, the look cannot be had, or the file not be written.
+        InputError: The folder has no run, the run has no frame, an option is invalid, or the file cannot be written.
     """
     from PIL import Image
 
@@ -201,7 +206,7 @@ def draw_picture(
     animation = Animation(folder)
     refuse_existing(path, overwrite)
     frame = len(animation) - 1 if time is None else find_frame(animation, time)
-    picture = Image.fromarray(Painter(animation, look).draw(frame))
+    picture = Image.fromarray(Painter(animation, options).draw(frame))
     figures.write_file(path, lambda temporary: picture.save(temporary, **SETTINGS[path.suffix.lower()]))
     print(path)
     return 0

@@ -39,7 +39,9 @@ def plot_history(folder: Path, out: Path | None = None, *, overwrite: bool = Fal
     path = out or folder / "probes.png"
     require_format(path, FORMATS)
     if not folder.is_dir():
-        raise InputError(str(folder), "", "is no folder; give the folder that `warp-mps run` left, such as runs/CASE")
+        raise InputError(
+            str(folder), "", "is not a folder; give the output folder of `warp-mps run`, such as runs/CASE"
+        )
     history, summary = read_history(folder / "probes.csv"), read_summary(folder / "run.json")
     if not history.rows:
         raise InputError(str(folder / "probes.csv"), "", "has no rows")

@@ -1,7 +1,7 @@
-"""Spheres as pixels: which one is seen where, by comparing depths, and how light falls on it.
+"""Rendering of spheres: visibility by a depth buffer, and shading.
 
-Every sphere covers a disc of pixels, and each pixel keeps the nearest of the surfaces that it is offered, whatever the
-order of the spheres. Lengths are in pixels across the picture and in any one unit along the line of sight.
+Every sphere covers a disc of pixels, and each pixel keeps the nearest surface, whatever the order of the spheres.
+Lengths are in pixels across the picture and in any one unit along the line of sight.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 NOTHING = -1
-# towards the light, along the picture's right, its top, and to who looks
+# direction to the light, along the picture's right, its top, and towards the viewer
 LIGHT = np.array([-0.42, 0.62, 0.66]) / np.linalg.norm([-0.42, 0.62, 0.66])
 HALFWAY = (LIGHT + np.eye(3)[2]) / np.linalg.norm(LIGHT + np.eye(3)[2])
 AMBIENT, DIFFUSE, GLOSS = 0.55, 0.52, 0.16
@@ -41,11 +41,11 @@ class Spheres:
 
 @dataclass(frozen=True)
 class Surface:
-    """What is seen in each pixel.
+    """The visible sphere in each pixel.
 
     Attributes:
-        owners: Number of the sphere, `NOTHING` where there is none, shape [height, width].
-        depths: Distance of its surface, infinite where there is none, shape [height, width].
+        owners: Number of the sphere, `NOTHING` in an empty pixel, shape [height, width].
+        depths: Distance of its surface, infinite in an empty pixel, shape [height, width].
     """
 
     owners: np.ndarray
@@ -94,7 +94,7 @@ def shade(spheres: Spheres, surface: Surface, colors: np.ndarray) -> np.ndarray:
     return image
 
 
-def obscurance(depths: np.ndarray, reach: int, unit: float) -> np.ndarray:
+def ambient_occlusion(depths: np.ndarray, reach: int, unit: float) -> np.ndarray:
     """How much each pixel lies behind its neighbours, as a factor on its light, shape [height, width].
 
     Edges and gaps darken as in M. Boucheny, *Interactive scientific visualization of large datasets* (2009).
@@ -128,7 +128,7 @@ def _samples(spheres: Spheres, width: int, height: int) -> Iterator[tuple[np.nda
             rows = np.floor(spheres.centres[numbers, 1]).astype(int)[:, None] + offsets
             across = ((columns + 0.5 - spheres.centres[numbers, :1]) / radii[numbers, None]) ** 2
             down = ((rows + 0.5 - spheres.centres[numbers, 1:]) / radii[numbers, None]) ** 2
-            # what is off the picture is in no sphere
+            # pixels outside the picture belong to no sphere
             across[(columns < 0) | (columns >= width)] = np.inf
             down[(rows < 0) | (rows >= height)] = np.inf
             squares = down[:, :, None] + across[:, None, :]

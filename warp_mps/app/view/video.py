@@ -14,14 +14,14 @@ from rich.progress import track
 
 from warp_mps.app.animation_reader import Animation, refuse_existing
 from warp_mps.app.view import figures
-from warp_mps.app.view.picture import AS_SUITS, Look, Painter
+from warp_mps.app.view.picture import DEFAULT_OPTIONS, Painter, PictureOptions
 from warp_mps.errors import InputError
 
 # how long each plays at most unless it is asked to [s], and how many pictures a second it shows at most [1/s]: the
 # pictures of WebP and GIF are all held at a time
 LIMITS = {"mp4": (20.0, 30.0), "webp": (10.0, 20.0), "gif": (10.0, 20.0)}
 FORMATS = tuple(LIMITS)
-# the last picture of what is played over and over stays [ms]
+# pause on the last picture of a looped animation [ms]
 REST = 900
 
 
@@ -30,7 +30,7 @@ def make_video(
     out: Path | None = None,
     *,
     seconds: float | None = None,
-    look: Look = AS_SUITS,
+    options: PictureOptions = DEFAULT_OPTIONS,
     overwrite: bool = False,
 ) -> int:
     """Make a video of a run.
@@ -41,11 +41,11 @@ def make_video(
             no imageio-ffmpeg.
         seconds: How long it plays [s]; None is as the animation plays, at most as `LIMITS`
             says.
-        look: What the pictures show, and how.
+        options: What the pictures show, and how.
         overwrite: Whether to replace the file.
 
     Raises:
-        InputError: There is no run in the folder, the look cannot be had, or the file not be written.
+        InputError: There is no run in the folder, an option is invalid, or the file cannot be written.
     """
     encodes = find_spec("imageio_ffmpeg") is not None
     path = out or folder / ("video.mp4" if encodes else "video.webp")
@@ -56,7 +56,7 @@ def make_video(
         raise InputError("--seconds", "", f"is {seconds:g}, must be above 0")
     animation = Animation(folder)
     refuse_existing(path, overwrite)
-    painter = Painter(animation, _even(look))
+    painter = Painter(animation, _even(options))
     frames, rate = pace(len(animation), animation.playback_rate, seconds, *LIMITS[path.suffix.lower()[1:]])
     console = Console(stderr=True)
     shown = track(frames, "drawing", console=console, transient=True, disable=not console.is_terminal)
@@ -87,11 +87,13 @@ def pace(
     return np.linspace(0, count - 1, shown).round().astype(int), shown / seconds
 
 
-def _even(look: Look) -> Look:
+def _even(options: PictureOptions) -> PictureOptions:
     """Sides of even length, which is what the usual coding of videos needs."""
-    if look.size is None:
-        return look
-    return Look(look.colour, look.limits, (look.size[0] // 2 * 2, look.size[1] // 2 * 2), look.view)
+    if options.size is None:
+        return options
+    return PictureOptions(
+        options.colour, options.limits, (options.size[0] // 2 * 2, options.size[1] // 2 * 2), options.view
+    )
 
 
 def _write_mp4(path: Path, pictures: Iterator[np.ndarray], rate: float, size: tuple[int, int]) -> None:

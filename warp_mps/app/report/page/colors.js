@@ -79,7 +79,7 @@ class Colors {
     return this.quantity.unit && this.quantity.unit !== "1" ? `${this.quantity.title} [${this.quantity.unit}]` : this.quantity.title;
   }
 
-  /** The range in words. */
+  /** The range as text. */
   stated() {
     if (!this.quantity) return "";
     const { least, greatest, kept, unit } = this.quantity, own = unit === "1" ? "" : ` ${unit}`;

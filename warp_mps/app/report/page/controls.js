@@ -1,8 +1,8 @@
-// The panel beside the picture: what is shown, and how.
+// The control panel beside the picture.
 
 const byId = (id) => document.getElementById(id);
 
-/** The number in a text field, null (and a red field) if there is none. */
+/** The number in a text field; null (and a red field) if it is not a number. */
 function numberIn(input) {
   const value = Number(input.value.replace(",", "."));
   const good = input.value.trim() !== "" && Number.isFinite(value);
@@ -72,7 +72,7 @@ class Controls {
     this.showColors();
   }
 
-  /** The least and the greatest value of the frame, of what is shown. */
+  /** Minimum and maximum of the visible particles in the frame. */
   boundsNow() {
     let low = 65535, high = 0;
     for (const { cloud, numbers, shown } of this.scene.clouds) {

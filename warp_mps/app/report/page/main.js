@@ -1,7 +1,7 @@
 // Puts the page together.
 
 const report = { errors: [] };
-// for whoever looks at the page by a script
+// for scripts that inspect the page
 window.report = report;
 
 function complain(text) {
@@ -10,7 +10,7 @@ function complain(text) {
   byId("remarks").append(line);
 }
 
-/** What a page that loads itself anew while the run goes on takes along. */
+/** State that an open page keeps when it reloads during a run. */
 const KEPT = `warp-mps report of ${document.title}`;
 
 function keep() {

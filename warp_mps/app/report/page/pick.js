@@ -1,4 +1,4 @@
-// What is under the pointer, and what else lies over the picture: the axes and a length to compare with.
+// The particle under the pointer, and the overlays of the picture: axes and scale bar.
 
 /** The particle that is seen at a point of the canvas: {item, i, x}, or null. */
 function pick(scene, px, py) {

@@ -89,7 +89,7 @@ class Scene {
     this.drawThin(seen.filter((item) => !solid.includes(item)));
   }
 
-  /** Walls that are looked through: their depth first, so that of them only what is in front is drawn, once. */
+  /** Transparent walls: their depth first, so that only the nearest wall surface is blended. */
   drawThin(items) {
     const { gl } = this;
     gl.colorMask(false, false, false, false);
@@ -131,7 +131,7 @@ class Scene {
   color(item) {
     const { role, color } = item.cloud;
     if (role === "wall") return [0.78, 0.79, 0.8];
-    // what has no value of the quantity: its own colour, but a fluid's is one of the map, and is made pale
+    // particles without a value keep their own colour; a fluid's is paled, because the colour map contains it
     return this.colors.quantity && !item.values && role === "fluid" ? color.map((part) => 0.3 * part + 0.66) : color;
   }
 
