@@ -10,11 +10,11 @@ from typing import Any
 import numpy as np
 from pxr import Sdf, Usd, UsdGeom, UsdPhysics
 
+from warp_mps.app.run_folder import ANIMATION, require_run
 from warp_mps.errors import InputError
-from warp_mps.usd.animation.colours import to_screen
+from warp_mps.usd.animation.colours import linear_to_srgb
 from warp_mps.usd.case.opening import open_stage
 
-ANIMATION = "run.usdc"
 # SI units of the quantities that a result may hold; points, velocities and widths are in the stage's units
 UNITS = {"pressure": "Pa", "stress": "Pa", "strain": "1", "von_mises": "Pa", "strain_energy": "J/m^3"}
 
@@ -30,12 +30,7 @@ def find_animation(folder: Path) -> Path:
     Raises:
         InputError: There is no such folder, or no run in it.
     """
-    if not folder.is_dir():
-        raise InputError(
-            str(folder), "", "is not a folder; give the output folder of `warp-mps run`, such as runs/CASE"
-        )
-    if not (folder / ANIMATION).is_file():
-        raise InputError(str(folder), "", f"does not contain a run: {ANIMATION} is missing")
+    require_run(folder, ANIMATION)
     return folder / ANIMATION
 
 
@@ -153,7 +148,7 @@ def _cloud(item: UsdGeom.Points) -> Cloud:
         role=str(prim.GetCustomDataByKey("role") or "body"),
         ids=np.array(item.GetIdsAttr().Get(), dtype=np.int64).reshape(-1),
         widths=np.array(item.GetWidthsAttr().Get(), dtype=np.float32).reshape(-1),
-        color=to_screen(colors[0] if colors else PLAIN),
+        color=linear_to_srgb(colors[0] if colors else PLAIN),
         scalars=tuple(
             str(var.GetPrimvarName()) for var in vertex if var.GetTypeName() == Sdf.ValueTypeNames.FloatArray
         ),

@@ -242,7 +242,7 @@ def _provenance(simulation: Simulation) -> dict[str, str | float | int]:
 
 
 def _closed(simulation: Simulation) -> list[str]:
-    """A line about a fluid that walls enclose, and that pulls at them where it has its place."""
+    """A line about a fluid that walls extend_view, and that pulls at them where it has its place."""
     scene = simulation.scene
     if not scene.fluids or scene.bodies or scene.flow.negative_pressure != "clipped":
         return []

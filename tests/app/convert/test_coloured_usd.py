@@ -12,7 +12,7 @@ from tests.app.results import SPACE, write_result
 from warp_mps.app.animation_reader import Animation
 from warp_mps.app.cli import main
 from warp_mps.app.view.colours import choose_colouring
-from warp_mps.usd.animation.colours import to_screen
+from warp_mps.usd.animation.colours import linear_to_srgb
 
 
 @pytest.fixture
@@ -32,7 +32,7 @@ def test_colours_are_those_of_the_values_in_every_frame(folder: Path, capsys: py
     block, floor = (UsdGeom.Points(stage.GetPrimAtPath(f"/Result/{name}")) for name in ("block", "floor"))
     assert block.GetDisplayColorPrimvar().GetInterpolation() == "vertex"
     for frame, code in enumerate(animation.codes):
-        shown = to_screen(np.array(block.GetDisplayColorAttr().Get(code)))
+        shown = linear_to_srgb(np.array(block.GetDisplayColorAttr().Get(code)))
         assert shown == pytest.approx(colouring.colors(animation, 0, frame), abs=1e-6)
         assert np.array_equal(block.GetPointsAttr().Get(code), animation.points(0, frame).astype(np.float32))
     assert len(np.unique(shown, axis=0)) > 10

@@ -14,7 +14,7 @@ from tests.app.results import write_result
 from warp_mps.app.cli import main
 from warp_mps.app.report import watch
 from warp_mps.app.report.diagrams import POINTS, make_diagrams
-from warp_mps.app.report.gather import gather
+from warp_mps.app.report.run_data import read_run
 from warp_mps.results.history import TIME_LABEL, History, energy_labels, write_history
 from warp_mps.results.summary import RunSummary
 from warp_mps.run.locks import lock_folder
@@ -121,7 +121,7 @@ def test_long_histories_keep_their_peaks(tmp_path: Path) -> None:
     rows = [(0.001 * k, 1.0 if k == 4321 else 0.0, *[0.0] * 6) for k in range(50_000)]
     write_tables(tmp_path)
     write_history(tmp_path / "probes.csv", History([TIME_LABEL, "push [N]", *energy_labels(2)], rows))
-    (diagram,) = make_diagrams(gather(tmp_path))
+    (diagram,) = make_diagrams(read_run(tmp_path))
     assert len(diagram["times"]) <= POINTS + 2
     assert max(diagram["lines"][0]["values"]) == 1.0
     assert diagram["times"][diagram["lines"][0]["values"].index(1.0)] == 4.321
@@ -164,8 +164,8 @@ def test_a_run_that_ends_while_it_is_looked_at_is_finished(tmp_path: Path, monke
         write_tables(folder)
         return False
 
-    monkeypatch.setattr("warp_mps.app.report.gather.is_locked", let_go)
-    assert gather(tmp_path).state == "done"
+    monkeypatch.setattr("warp_mps.app.report.run_data.is_locked", let_go)
+    assert read_run(tmp_path).state == "done"
 
 
 def test_what_cannot_be_reported_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

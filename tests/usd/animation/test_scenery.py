@@ -13,8 +13,8 @@ from tests.observers.views import blocks
 from warp_mps.particles.filling import fill_scene
 from warp_mps.scene import Fluid, Scene, StageFrame, Wall
 from warp_mps.shapes import Box
-from warp_mps.usd.animation.colours import to_light, to_screen
-from warp_mps.usd.animation.cutaway import hidden_share, walls_in_the_way
+from warp_mps.usd.animation.colours import linear_to_srgb, srgb_to_linear
+from warp_mps.usd.animation.occlusion import hidden_share, occluding_walls
 from warp_mps.usd.animation.writer import AnimationWriter
 
 
@@ -108,8 +108,8 @@ def test_every_body_has_a_material_that_shows_its_colours(tmp_path: Path) -> Non
 
 def test_colours_and_back() -> None:
     values = np.linspace(0.0, 1.0, 101)
-    assert to_screen(to_light(values)) == pytest.approx(values, abs=1e-6)
-    assert to_light([0.0, 0.5, 1.0]) == pytest.approx([0.0, 0.21404, 1.0], abs=1e-5)
+    assert linear_to_srgb(srgb_to_linear(values)) == pytest.approx(values, abs=1e-6)
+    assert srgb_to_linear([0.0, 0.5, 1.0]) == pytest.approx([0.0, 0.21404, 1.0], abs=1e-5)
 
 
 def test_walls_before_the_water_are_guides(tmp_path: Path) -> None:
@@ -127,8 +127,8 @@ def test_walls_before_the_water_are_guides(tmp_path: Path) -> None:
     walls = tuple(Wall(name=name, shape=Box(size, center=at), spacing=l0) for name, (size, at) in boxes.items())
     scene = Scene(fluids=(water,), walls=walls, dimension=3, duration=1.0)
     particles = fill_scene(scene)
-    assert walls_in_the_way(particles, StageFrame(axes="xyz")) == ["right", "front"]
-    assert walls_in_the_way(particles, StageFrame(axes="xyz", up_axis="Z")) != ["right", "front"]
+    assert occluding_walls(particles, StageFrame(axes="xyz")) == ["right", "front"]
+    assert occluding_walls(particles, StageFrame(axes="xyz", up_axis="Z")) != ["right", "front"]
     AnimationWriter(tmp_path / "run.usdc", particles, scene.frame, frame_rate=1.0, provenance={}).write(
         0.0, particles.positions, particles.velocities
     )

@@ -1,4 +1,4 @@
-"""The speed of coupled runs: a column of water on an elastic plate, and where the time of a step goes."""
+"""Benchmark of coupled runs: a column of water on an elastic plate, with the share of each part of a step."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ from warp_mps.coupling.hydroelastic import Hydroelastic
 from warp_mps.run.simulation import Simulation
 from warp_mps.scene import Body, Contact, Flow, Fluid, Material, Scene, Support, Wall
 
-# numbers of fluid particles by dimension, where none are asked for
+# default numbers of fluid particles by dimension
 SIZES: dict[int, tuple[int, ...]] = {2: (1_000, 10_000), 3: (10_000,)}
 WAYS = ("explicit", "implicit")
-# of wood; in spacings of 1 m
+# wood; spacings of 1 m
 PLATE = Material(500.0, 1e9, 0.3)
-# longest steps of the water in an interval; intervals before anything is measured, and measured ones
+# longest steps of the water in an interval; numbers of warm-up and of measured intervals
 INTERVAL, WARM, MEASURED = 8.0, 2, 4
 # parts of a step by the launches of the fluid; the remainder is the coupling
 PARTS = {"plan": "fluid", "begin": "fluid", "end": "fluid", "project": "pressure"}
@@ -67,7 +67,7 @@ def column(dimension: int, size: int, way: str) -> Scene:
             ("back", [0.0, 0.0, *low], [width, height, 0.0]),
             ("front", [0.0, 0.0, *depth], [width, height, *high]),
         ]
-    # so thick that it gives little
+    # thick enough to deflect little
     bottom = -float(max(4, width // 8))
     plate = box([-thick, bottom, *low], [width + thick, 0.0, *high])
     ends = [

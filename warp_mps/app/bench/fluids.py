@@ -1,4 +1,4 @@
-"""The speed of fluids: a dam break's particle-steps a second, and where the time of a step goes."""
+"""Benchmark of fluids: particle-steps a second of a dam break, with the share of each part of a step."""
 
 from __future__ import annotations
 
@@ -17,15 +17,15 @@ from warp_mps.run.simulation import Simulation
 from warp_mps.scene import Flow, Fluid, Scene, Wall
 from warp_mps.shapes import Box
 
-# numbers of particles by dimension, where none are asked for
+# default numbers of particles by dimension
 SIZES: dict[int, tuple[int, ...]] = {2: (1_000, 10_000, 100_000), 3: (30_000,)}
-# steps that the column collapses before anything is measured
+# warm-up steps of the collapse
 WARM_STEPS = 40
-# seconds of a round, of which the fastest counts, for the others were disturbed; steps of a round; steps for the shares
+# seconds and number of rounds, of which the fastest counts; least and most steps of a round; steps for the shares
 ROUND_SECONDS, ROUNDS = 1.0, 3
 ROUND_STEPS = (5, 200)
 SHARED_STEPS = 10
-# spacings that walls are thick
+# thickness of walls in spacings
 THICK = {2: 4, 3: 3}
 # true residual of the pressure solve
 TOLERANCE = 1e-4
@@ -139,7 +139,7 @@ def _seconds_a_step(simulation: Simulation) -> float:
 
 
 def _seconds_a_search(simulation: Simulation) -> float:
-    """Seconds of new neighbour lists, which a step of fast flow needs and one of slow flow does without."""
+    """Seconds of a neighbour search, which fast flow needs in every step and slow flow in few."""
     fluids, best = simulation.fluids, float("inf")
     for _ in range(ROUNDS):
         begin = time.perf_counter()

@@ -1,4 +1,4 @@
-"""The speed of the elastic solver: particle-steps a second, and where the time goes."""
+"""Benchmark of the elastic solver: particle-steps a second, with the share of each part of a step."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ from warp_mps.run.simulation import Simulation
 from warp_mps.scene import Body, Elasticity, Material, Scene
 from warp_mps.shapes import Box
 
-# numbers of particles, where none are asked for
+# default numbers of particles
 SIZES = (1_000, 10_000, 100_000, 1_000_000)
-# seconds that each figure is measured for, in rounds of which the fastest counts: the others were disturbed
+# seconds of a measurement and number of rounds, of which the fastest counts
 ROUND_SECONDS = 0.5
 ROUNDS = 3
 

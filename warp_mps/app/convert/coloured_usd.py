@@ -12,7 +12,7 @@ from warp_mps.app.animation_reader import Animation, refuse_existing
 from warp_mps.app.view import figures
 from warp_mps.app.view.colours import choose_colouring, has_colour
 from warp_mps.errors import InputError
-from warp_mps.usd.animation.colours import to_light
+from warp_mps.usd.animation.colours import srgb_to_linear
 
 
 def convert_to_usd(
@@ -48,7 +48,7 @@ def convert_to_usd(
                 primvar.GetAttr().Clear()
                 primvar.SetInterpolation(UsdGeom.Tokens.vertex)
                 for frame, code in enumerate(animation.codes):
-                    light = to_light(colouring.colors(animation, cloud, frame)).astype(np.float32)
+                    light = srgb_to_linear(colouring.colors(animation, cloud, frame)).astype(np.float32)
                     primvar.Set(Vt.Vec3fArray.FromNumpy(np.ascontiguousarray(light)), code)
         data = dict(stage.GetRootLayer().customLayerData)
         data |= {"colours": colouring.label, "colours from and to [SI]": Gf.Vec2d(colouring.low, colouring.high)}

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from warp_mps.app.report.gather import Run
+from warp_mps.app.report.run_data import Run
 from warp_mps.app.report.tables import measured_text
 from warp_mps.app.view.panels import Panel, panels, references
 

@@ -80,7 +80,7 @@ def make_frames(animation: Animation) -> Frames:
 
 
 def _moves(animation: Animation, number: int) -> bool:
-    """Whether a cloud is elsewhere in any of some frames."""
+    """Whether a cloud moves, judged by a sample of the frames."""
     start = animation.points(number, 0)
     return any(not np.array_equal(animation.points(number, frame), start) for frame in animation.sample_frames())
 
@@ -146,7 +146,7 @@ def _read_values(animation: Animation, numbers: list[int], chosen: list[int], na
 
 
 def _add_quantities(frames: Frames, values: Table) -> None:
-    """Say which quantities there are, their ranges and what their whole numbers stand for."""
+    """Describe the quantities: names, units, ranges and quantization."""
     ranges = {name: range_of(np.concatenate([item.ravel() for item in values[name].values()])) for name in values}
     fine = sum(item.size for clouds in values.values() for item in clouds.values()) <= FINE_VALUES
     frames.facts["quantities"] = [
@@ -158,8 +158,8 @@ def _add_quantities(frames: Frames, values: Table) -> None:
             "greatest": item.greatest,
             "shown": item.shown,
             "signed": item.signed,
-            # what the whole numbers stand for
-            "kept": _kept(item, fine),
+            # range of the quantized values
+            "kept": _quantized_range(item, fine),
             "top": 65535 if fine else 255,
         }
         for name, item in ranges.items()
@@ -173,7 +173,7 @@ def _first(found: list[dict[str, Any]], coupled: bool) -> str:
     return next((name for name in (*usual, *varied) if name in varied), "")
 
 
-def _kept(item: Range, fine: bool) -> tuple[float, float]:
+def _quantized_range(item: Range, fine: bool) -> tuple[float, float]:
     if fine:
         return item.least, item.greatest
     return max(item.least, item.shown[0]), min(item.greatest, item.shown[1])

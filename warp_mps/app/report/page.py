@@ -17,7 +17,7 @@ from warp_mps import __version__
 from warp_mps.app.report import tables
 from warp_mps.app.report.diagrams import make_diagrams
 from warp_mps.app.report.frames import Frames, make_frames
-from warp_mps.app.report.gather import Run, gather
+from warp_mps.app.report.run_data import Run, read_run
 from warp_mps.app.view.colours import DIVERGING, SEQUENTIAL
 from warp_mps.errors import InputError
 from warp_mps.results.atomic_write import write_whole
@@ -37,13 +37,12 @@ def write_report(folder: Path, path: Path, *, reload: float | None = None) -> tu
         reload: Seconds after which an open page reloads while the run goes on; None disables it.
 
     Returns:
-        State of the run and what is missing of it, as `Run` has them. The animation is let go of: a file that is held
-        open cannot be replaced everywhere.
+        State of the run and the remarks of `Run`. The animation is closed: some systems cannot replace an open file.
 
     Raises:
         InputError: There is no run in the folder, or the file cannot be written.
     """
-    run = gather(folder)
+    run = read_run(folder)
     text = page(run, reload=reload)
     try:
         path.parent.mkdir(parents=True, exist_ok=True)

@@ -1,4 +1,4 @@
-"""What particles can be coloured by: the quantities of the frames, as one number a particle each."""
+"""The scalar quantities of the frames that can colour particles."""
 
 from __future__ import annotations
 

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from html import escape
 from typing import Any
 
-from warp_mps.app.report.gather import Run
+from warp_mps.app.report.run_data import Run
 from warp_mps.results.energy import ENERGY_NAMES
 from warp_mps.results.formatting import duration, percent
 

@@ -11,6 +11,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from warp_mps.app.animation_reader import refuse_existing
+from warp_mps.app.run_folder import PROBES, SUMMARY, require_run
 from warp_mps.app.view.figures import COLORS, INK, require_format, save, style
 from warp_mps.app.view.panels import Panel, Reference, panels, references
 from warp_mps.errors import InputError
@@ -38,13 +39,10 @@ def plot_history(folder: Path, out: Path | None = None, *, overwrite: bool = Fal
     """
     path = out or folder / "probes.png"
     require_format(path, FORMATS)
-    if not folder.is_dir():
-        raise InputError(
-            str(folder), "", "is not a folder; give the output folder of `warp-mps run`, such as runs/CASE"
-        )
-    history, summary = read_history(folder / "probes.csv"), read_summary(folder / "run.json")
+    require_run(folder)
+    history, summary = read_history(folder / PROBES), read_summary(folder / SUMMARY)
     if not history.rows:
-        raise InputError(str(folder / "probes.csv"), "", "has no rows")
+        raise InputError(str(folder / PROBES), "", "has no rows")
     refuse_existing(path, overwrite)
     with style():
         save(_draw(history, summary), path)

@@ -1,1 +1,1 @@
-"""Results as USD animations, with what makes them look right when they are opened."""
+"""Results as USD animations, with camera, lights and materials."""

@@ -15,7 +15,7 @@ from pxr import Sdf, Tf, Usd, UsdGeom, UsdPhysics, Vt
 from warp_mps.errors import InputError, RunError
 from warp_mps.particles.filling import Particles
 from warp_mps.scene import OUTPUTS
-from warp_mps.usd.animation.cutaway import walls_in_the_way
+from warp_mps.usd.animation.occlusion import occluding_walls
 from warp_mps.usd.animation.scenery import Scenery, paint
 
 if TYPE_CHECKING:
@@ -23,11 +23,11 @@ if TYPE_CHECKING:
 
 ROOT = "/Result"
 PLAYBACK_RATE = 30.0
-# waste in a file, in units of what counts in it and beyond some bytes, with which it is written anew
+# a file is rewritten when its waste exceeds this multiple of its content, and some bytes more
 MOST_WASTE, LEAST_WASTE = 1.0, 2**20
-# saves after which what USD keeps of them in memory is let go
+# number of saves after which the layer is reloaded, because USD keeps data of each save in memory
 SAVES_KEPT = 64
-# as screens take them
+# sRGB
 PALETTE = (
     (0.90, 0.38, 0.22),
     (0.16, 0.50, 0.73),
@@ -43,9 +43,9 @@ LIQUID_COLOR = (0.16, 0.45, 0.75)
 class PointsFile:
     """A stage of particles that is saved in place, frame by frame.
 
-    Every save writes the tables of all frames anew, behind those that it leaves as waste: their sizes grow with the
-    square of the number of frames, and USD keeps something of each in memory. When waste has come to be as much as what
-    counts, the file is written anew without it.
+    Every save appends the tables of all frames and leaves the previous tables as waste: the waste grows with the
+    square of the number of frames, and USD keeps data of each save in memory. When the waste exceeds the content, the
+    file is rewritten without it.
 
     Args:
         path: The file, which exists (:meth:`create` makes one).
@@ -64,7 +64,7 @@ class PointsFile:
         self._points = [UsdGeom.Points(self._stage.GetPrimAtPath(f"{ROOT}/{name}")) for name in particles.names]
         for points, (first, last) in zip(self._points, self._ranges, strict=True):
             for code in points.GetExtentAttr().GetTimeSamples() if last > first else ():
-                self._scenery.enclose(np.array(points.GetExtentAttr().Get(code)))
+                self._scenery.extend_view(np.array(points.GetExtentAttr().Get(code)))
 
     @classmethod
     def create(cls, path: Path, particles: Particles, frame: StageFrame, *, frame_rate: float) -> PointsFile:
@@ -73,14 +73,14 @@ class PointsFile:
         _define_stage(stage, frame, frame_rate)
         for index in range(len(particles.names)):
             _define_body(stage, particles, index, frame)
-        for name in walls_in_the_way(particles, frame):
-            # a guide is shown on request; what it would hide is what one wants to see
+        for name in occluding_walls(particles, frame):
+            # programs show a guide on request only: the wall would hide the content
             UsdGeom.Imageable(stage.GetPrimAtPath(f"{ROOT}/{name}")).CreatePurposeAttr(UsdGeom.Tokens.guide)
         stage.GetRootLayer().Save()
         return cls(path, particles, frame)
 
     def describe(self, provenance: Mapping[str, str | float | int]) -> None:
-        """Note in the layer's customLayerData where the result comes from."""
+        """Write the provenance of the result to the layer's customLayerData."""
         self._stage.GetRootLayer().customLayerData = dict(provenance)
 
     def write(self, code: float, values: Mapping[str, np.ndarray]) -> None:
@@ -105,10 +105,10 @@ class PointsFile:
         try:
             saved = self._stage.GetRootLayer().Save()
         except Tf.ErrorException as error:
-            # USD makes a folder anew that somebody has removed; one that holds nothing is such a one
+            # USD recreates a folder that was removed during the run: delete it if it is empty
             with contextlib.suppress(OSError):
                 self.path.parent.rmdir()
-            raise RunError(f"{self.path}: cannot be written: {_first_words(error)}") from error
+            raise RunError(f"{self.path}: cannot be written: {_first_error(error)}") from error
         if not saved:
             raise RunError(f"{self.path}: cannot be written")
         self._saves += 1
@@ -118,7 +118,7 @@ class PointsFile:
             self._stage.GetRootLayer().Reload(True)
 
     def compact(self) -> None:
-        """Write the file anew, without what earlier saves have left in it; it stays as it is where that fails."""
+        """Rewrite the file without the waste of earlier saves; if that fails, the file is unchanged."""
         layer, temporary = self._stage.GetRootLayer(), self.path.with_suffix(".whole.usdc")
         try:
             if layer.Export(str(temporary)):
@@ -141,14 +141,14 @@ class PointsFile:
         box = extent(values["points"], self._widths[index])
         points.GetExtentAttr().Set(Vt.Vec3fArray.FromNumpy(box), code)
         if len(values["points"]):
-            self._scenery.enclose(box)
+            self._scenery.extend_view(box)
         for name, value in values.items():
             if name not in ("points", "velocities"):
                 _set_primvar(points, name, value, code)
 
 
-def _first_words(error: Exception) -> str:
-    """What the first of the errors says; the others follow from it, and all come with places in USD's source."""
+def _first_error(error: Exception) -> str:
+    """Text of the first error; the others follow from it, and all carry locations in USD's source."""
     text = " ".join(str(error).split())
     found = re.search(r" : '(.*?)'( Error in '|$)", text)
     return found[1] if found else text
@@ -182,13 +182,13 @@ def open_until(path: Path, particles: Particles, last_code: float) -> Any:
     if last_code not in kept:
         raise InputError(str(path), "", f"lacks the frame at time code {last_code:g} to continue from; start a new run")
     for code in codes[len(kept) :]:
-        _erase(layer, code)
+        _erase_time_sample(layer, code)
     layer.endTimeCode = last_code
     return layer
 
 
 def _holds(layer: Any, particles: Particles) -> bool:
-    """Whether a layer's bodies and ids are those of the particles."""
+    """Whether a layer has the bodies and ids of the particles."""
     for name, (first, last) in zip(particles.names, particles.ranges, strict=True):
         ids = layer.GetAttributeAtPath(f"{ROOT}/{name}.ids")
         if ids is None or not np.array_equal(np.asarray(ids.default), particles.ids[first:last]):
@@ -196,7 +196,7 @@ def _holds(layer: Any, particles: Particles) -> bool:
     return len(layer.GetPrimAtPath(ROOT).nameChildren) == len(particles.names)
 
 
-def _erase(layer: Any, code: float) -> None:
+def _erase_time_sample(layer: Any, code: float) -> None:
     for body in layer.GetPrimAtPath(ROOT).nameChildren:
         for attribute in body.attributes:
             layer.EraseTimeSample(attribute.path, code)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from pxr import Gf, Sdf, UsdGeom, UsdLux, UsdShade, Vt
 
-from warp_mps.usd.animation.colours import to_light
+from warp_mps.usd.animation.colours import srgb_to_linear
 from warp_mps.usd.animation.viewpoint import SLOPE, plane_axes, space_axes
 
 if TYPE_CHECKING:
@@ -51,13 +51,13 @@ class Scenery:
         self._backdrop = UsdGeom.Mesh(stage.GetPrimAtPath(f"{SCENERY}/Backdrop"))
         self._box: np.ndarray | None = None
 
-    def enclose(self, box: np.ndarray) -> None:
-        """Have a box in the picture as well.
+    def extend_view(self, box: np.ndarray) -> None:
+        """Extend the view to include a box.
 
         Args:
             box: Its corners [stage units], shape [2, 3].
         """
-        # what is nowhere, or has run away, is nothing to look at
+        # ignore a box that is not finite
         if not np.isfinite(box).all():
             return
         old = box if self._box is None else self._box
@@ -95,7 +95,7 @@ class Scenery:
         camera.GetOrderedXformOps()[0].Set(Gf.Matrix4d(matrix))
 
     def _place_backdrop(self) -> None:
-        """Right behind a plane, right below what is in space."""
+        """Place the backdrop behind a plane scene, or below a 3-D scene."""
         corners, middle = self._corners, self._corners.mean(axis=0)
         axis = int(np.abs(self._rise).argmax())
         size = max(float(np.linalg.norm(np.ptp(corners, axis=0))), 1e-6)
@@ -116,13 +116,13 @@ class Scenery:
         backdrop.CreateFaceVertexIndicesAttr([0, 1, 2, 3])
         backdrop.CreateSubdivisionSchemeAttr(UsdGeom.Tokens.none)
         backdrop.CreateDoubleSidedAttr(True)
-        # interactive viewers, which leave out what is for rendering, then have the particles in their middle
+        # interactive viewers leave out prims with purpose render, and so centre the particles
         backdrop.CreatePurposeAttr(UsdGeom.Tokens.render)
         paint(backdrop, "backdrop", BACKDROP_COLOR)
         self._define_lights(stage)
 
     def _define_lights(self, stage: Any) -> None:
-        """A sun over the left shoulder of who looks, and a bright sky."""
+        """A sun over the left shoulder of the viewer, and a bright sky."""
         key = UsdLux.DistantLight.Define(stage, f"{SCENERY}/Key")
         # its light does not depend on its angle
         key.CreateNormalizeAttr(True)
@@ -134,19 +134,19 @@ class Scenery:
         key.AddTransformOp().Set(Gf.Matrix4d(matrix))
         sky = UsdLux.DomeLight.Define(stage, f"{SCENERY}/Sky")
         sky.CreateIntensityAttr(SKY_LIGHT)
-        # said although it is what holds anyway: some programs keep their own colour if it is not
+        # written although it is the default: some programs use a colour of their own without it
         sky.CreateColorAttr(Gf.Vec3f(1.0))
 
 
 def paint(shape: Any, role: str, color: tuple[float, float, float]) -> None:
-    """Give a shape its colour, and a material that shows whatever colours it has.
+    """Give a shape its colour, and a material that shows its displayColor.
 
     Args:
         shape: A `UsdGeom.Gprim`.
         role: One of `ROUGHNESS`.
-        color: Its colour as screens take it, from 0 to 1.
+        color: sRGB colour from 0 to 1.
     """
-    light = [float(part) for part in to_light(color)]
+    light = [float(part) for part in srgb_to_linear(color)]
     shape.CreateDisplayColorPrimvar(UsdGeom.Tokens.constant).Set([Gf.Vec3f(*light)])
     stage, path, types = shape.GetPrim().GetStage(), shape.GetPath().AppendChild("Paint"), Sdf.ValueTypeNames
     material = UsdShade.Material.Define(stage, path)

@@ -1,4 +1,4 @@
-"""Where a scene is looked at from."""
+"""The direction from which a scene is viewed."""
 
 from __future__ import annotations
 
@@ -6,12 +6,12 @@ import numpy as np
 
 # direction to a camera in space, along the scene's right, up and towards
 VIEW = (0.5, 0.38, 1.0)
-# half the angle of view, as a slope: how near it is to what it sees
+# half the angle of view, as a slope
 SLOPE = 0.2
 
 
 def plane_axes(normal: int, up: int) -> np.ndarray:
-    """A camera's right, top and direction to who looks, as rows, before a plane, shape [3, 3].
+    """A camera's right, top and direction to the viewer, as rows, before a plane, shape [3, 3].
 
     Args:
         normal: The stage's axis that is normal to the plane.
@@ -25,11 +25,11 @@ def plane_axes(normal: int, up: int) -> np.ndarray:
 
 
 def space_axes(up: int, view: np.ndarray | None = None) -> np.ndarray:
-    """The same in space, shape [3, 3].
+    """A camera's right, top and direction to the viewer, as rows, in a 3-D scene, shape [3, 3].
 
     Args:
         up: The stage's axis that is up.
-        view: Direction from the scene to the camera, shape [3]; None is obliquely from above.
+        view: Direction from the scene to the camera, shape [3]; None looks obliquely from above.
     """
     right, height, towards = VIEW
     if view is None:

@@ -39,7 +39,7 @@ def tensors_to_stage_axes(values: np.ndarray, frame: StageFrame) -> np.ndarray:
 
 
 class AnimationWriter:
-    """Writes the particles of a run, frame by frame, so that the file can be opened whenever the writer dies.
+    """Writes the particles of a run, frame by frame, so that the file can be opened whenever the process ends.
 
     `Save` of a ``.usdc`` layer works in place: it overwrites the tables at the end of the file before it points the
     header at the new ones, and a process killed in between leaves a file that does not open. So two hidden copies
@@ -53,7 +53,7 @@ class AnimationWriter:
         particles: Particles of the scene.
         frame: How the scene lies in its stage.
         frame_rate: Frames per simulated second [1/s].
-        provenance: Where the result comes from; goes into the layer's customLayerData.
+        provenance: Origin of the result, for the layer's customLayerData.
         primvars: Names of further quantities that :meth:`write` is given.
 
     Raises:

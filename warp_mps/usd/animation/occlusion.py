@@ -1,4 +1,4 @@
-"""Which walls stand before what they hold, so that they can be left out of a view."""
+"""Walls that hide the rest of a scene from the camera, so that a view can leave them out."""
 
 from __future__ import annotations
 
@@ -12,18 +12,18 @@ if TYPE_CHECKING:
     from warp_mps.particles.filling import Particles
     from warp_mps.scene import StageFrame
 
-# share of what is to be seen that a wall may hide
+# largest share of the content that a wall may hide
 HIDDEN = 0.15
-# points at which fluid may be later, along every axis
+# sample points for later positions of the fluid, along every axis
 PLACES = 24
 
 
 def hidden_share(wall: np.ndarray, content: np.ndarray, cell: float) -> float:
-    """Share of what is to be seen that a wall hides, by the cells of a coarse picture.
+    """Share of the content that a wall hides, in the cells of a coarse picture.
 
     Args:
-        wall: Particles of the wall: places across, up, and towards who looks, shape [n, 3].
-        content: What is to be seen, likewise, shape [m, 3].
+        wall: Particles of the wall: coordinates across, up, and towards the viewer, shape [n, 3].
+        content: Particles of the content in the same coordinates, shape [m, 3].
         cell: Width of a cell, some particles wide.
     """
     cells = np.floor(np.concatenate([wall, content])[:, :2] / cell).astype(np.int64)
@@ -36,10 +36,10 @@ def hidden_share(wall: np.ndarray, content: np.ndarray, cell: float) -> float:
     return float(np.mean(nearest[0][seen] > nearest[1][seen]))
 
 
-def walls_in_the_way(particles: Particles, frame: StageFrame) -> list[str]:
-    """Names of the walls that hide the rest of a scene in space from the camera of its animation.
+def occluding_walls(particles: Particles, frame: StageFrame) -> list[str]:
+    """Names of the walls that hide the rest of a 3-D scene from the camera of its animation.
 
-    Fluid is looked for all over the space between the walls, at the heights at which it starts.
+    Fluid may reach every point between the walls, at the heights at which it starts.
     """
     first, last = particles.elastic, particles.count - particles.liquid
     if len(frame.axes) == 2 or first == last or last - first == particles.count:
@@ -47,7 +47,7 @@ def walls_in_the_way(particles: Particles, frame: StageFrame) -> list[str]:
     axes = space_axes("XYZ".index(frame.up_axis))
     content = [particles.positions[:first]]
     if particles.liquid:
-        content.append(_places(particles.positions, particles.positions[last:], "XYZ".index(frame.up_axis)))
+        content.append(_fluid_positions(particles.positions, particles.positions[last:], "XYZ".index(frame.up_axis)))
     local = np.concatenate(content) @ axes.T
     cell = 3.0 * float(particles.spacings.max())
     if particles.liquid:
@@ -60,7 +60,7 @@ def walls_in_the_way(particles: Particles, frame: StageFrame) -> list[str]:
     return found
 
 
-def _places(everything: np.ndarray, fluid: np.ndarray, up: int) -> np.ndarray:
+def _fluid_positions(everything: np.ndarray, fluid: np.ndarray, up: int) -> np.ndarray:
     """Points all over the scene, at the heights of the fluid, shape [PLACES^3, 3]."""
     low, high = everything.min(axis=0), everything.max(axis=0)
     low[up], high[up] = fluid[:, up].min(), fluid[:, up].max()

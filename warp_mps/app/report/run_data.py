@@ -1,4 +1,4 @@
-"""What there is of a run, finished or not: whatever is missing or damaged is said, and the rest is shown."""
+"""The files of a run, finished or not; missing or damaged parts are reported, and the rest is shown."""
 
 from __future__ import annotations
 
@@ -6,20 +6,20 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
-from warp_mps.app.animation_reader import ANIMATION, Animation
+from warp_mps.app.animation_reader import Animation
+from warp_mps.app.run_folder import ANIMATION, PROBES, SUMMARY, require_run
 from warp_mps.errors import InputError
 from warp_mps.results.history import History, read_history
 from warp_mps.results.summary import RunSummary, energy_record, read_summary
 from warp_mps.run.locks import is_locked
 
-PROBES, SUMMARY = "probes.csv", "run.json"
 # an animation that is being written is tried again: its file may have been replaced while it was opened
 ATTEMPTS, PAUSE = 3, 0.3
 
 
 @dataclass(frozen=True)
 class Run:
-    """What a folder holds of a run.
+    """The contents of the folder of a run.
 
     Attributes:
         folder: The folder.
@@ -38,18 +38,13 @@ class Run:
     remarks: tuple[str, ...]
 
 
-def gather(folder: Path) -> Run:
-    """Read what a folder holds.
+def read_run(folder: Path) -> Run:
+    """Read the folder of a run.
 
     Raises:
         InputError: There is no such folder, or nothing of a run in it.
     """
-    if not folder.is_dir():
-        raise InputError(
-            str(folder), "", "is not a folder; give the output folder of `warp-mps run`, such as runs/CASE"
-        )
-    if not any((folder / name).is_file() for name in (ANIMATION, PROBES, SUMMARY)):
-        raise InputError(str(folder), "", f"does not contain a run: it has no {SUMMARY}, {PROBES} or {ANIMATION}")
+    require_run(folder, SUMMARY, PROBES, ANIMATION)
     remarks: list[str] = []
     summary, state = _read_state(folder, remarks)
     history = _read_history(folder, remarks)
@@ -70,7 +65,7 @@ def _read_state(folder: Path, remarks: list[str]) -> tuple[RunSummary | None, st
     if summary is not None and (summary.status != "running" or is_locked(folder) is not False):
         return summary, summary.status
     if summary is not None:
-        # it may have ended since: a run says how before it lets the folder go
+        # the run may have ended since: it writes its status before it releases the lock
         summary = _read_summary(folder, remarks)
     return summary, "stopped" if summary is None or summary.status == "running" else summary.status
 
