@@ -14,8 +14,10 @@ from typing import IO
 
 from warp_mps.errors import InputError
 
-# how long USD may take to compose a stage [s], and how much longer for every megabyte of its file
-PATIENCE, PATIENCE_PER_MEGABYTE = 6.0, 1.0
+# processor time that USD may take to compose a stage [s], and how much more for every megabyte of its file
+CPU_TIME, CPU_TIME_PER_MEGABYTE = 6.0, 1.0
+# wall time in units of that: so much for processors that are shared with others, and for a process that only waits
+WALL_TIME = 20.0
 # memory that it may take [bytes], and how many times the size of its file more
 MEMORY, MEMORY_PER_BYTE = 2 * 2**30, 50
 READY = b"ready\n"
@@ -33,10 +35,10 @@ def try_stage(path: str | Path, *, allow_external: bool) -> None:
         allow_external: Whether it may refer to files outside its folder.
 
     Raises:
-        InputError: The process did not survive it, or took too long.
+        InputError: The process did not survive it, or took more processor time, or far more wall time, than allowed.
     """
-    megabytes = os.path.getsize(path) / 2**20
-    patience = PATIENCE + PATIENCE_PER_MEGABYTE * megabytes
+    # no wall time: on a busy machine a good stage may wait for most of that
+    allowed = CPU_TIME + CPU_TIME_PER_MEGABYTE * os.path.getsize(path) / 2**20
     root = str(Path(__file__).parents[3])
     # without the folder that the user happens to be in, whose files must not pass for modules
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join([root, *filter(None, sys.path)]), "PYTHONSAFEPATH": "1"}
@@ -47,13 +49,14 @@ def try_stage(path: str | Path, *, allow_external: bool) -> None:
         "-m",
         "warp_mps.usd.case.trial_process",
         os.path.abspath(path),
+        str(allowed),
         *["external"] * allow_external,
     ]
     with tempfile.TemporaryFile() as errors, _start(command, environment, errors) as process:
         assert process.stdout is not None
         # the time that it takes to start is not that of the stage
         good = process.stdout.readline() == READY
-        timer = threading.Timer(patience, process.kill)
+        timer = threading.Timer(WALL_TIME * allowed, process.kill)
         timer.start()
         code = process.wait()
         late = not timer.is_alive()
@@ -63,7 +66,9 @@ def try_stage(path: str | Path, *, allow_external: bool) -> None:
     if good and code == 0 and not beyond:
         return
     if late:
-        raise InputError(str(path), "", f"takes USD more than {patience:.0f} s to compose")
+        raise InputError(str(path), "", f"takes USD more than {WALL_TIME * allowed:.0f} s of wall time to compose")
+    if _name(code) == "SIGXCPU":
+        raise InputError(str(path), "", f"takes USD more than {allowed:.0f} s of processor time to compose")
     how = "it refers to what lies beyond its end" if beyond else f"USD fails on it, {_name(code)}"
     raise InputError(str(path), "", f"is damaged: {how}")
 

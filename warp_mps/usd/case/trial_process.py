@@ -1,10 +1,12 @@
-"""The process that `warp_mps.usd.case.trial` starts: it opens one stage in bounded memory."""
+"""The process that `warp_mps.usd.case.trial` starts: it opens one stage in bounded memory and processor time."""
 
 from __future__ import annotations
 
 import contextlib
+import math
 import os
 import sys
+import time
 
 from pxr import Usd
 
@@ -14,10 +16,11 @@ from warp_mps.usd.case.layers import check_layers
 from warp_mps.usd.case.trial import MEMORY, MEMORY_PER_BYTE, READY, TOO_LARGE
 
 
-def main(path: str, *external: str) -> int:
-    """Open a stage and read every value in it, in bounded memory; an error that USD reports is none here."""
+def main(path: str, seconds: str, *external: str) -> int:
+    """Open a stage and read every value in it, in bounded memory and time; errors that USD reports are ignored here."""
     register_schema()
     _limit_memory(MEMORY + MEMORY_PER_BYTE * os.path.getsize(path))
+    limit_time(float(seconds))
     sys.stdout.buffer.write(READY)
     sys.stdout.buffer.flush()
     try:
@@ -44,6 +47,17 @@ def _limit_memory(size: int) -> None:
 
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
         resource.setrlimit(resource.RLIMIT_DATA, (size, size))
+
+
+def limit_time(seconds: float) -> None:
+    """Let the system end the process (SIGXCPU) after this much more processor time, where it can."""
+    with contextlib.suppress(ImportError, ValueError, OSError):
+        import resource
+
+        # what the start has taken counts too, and the limit is in whole seconds
+        soft = math.ceil(time.process_time() + seconds)
+        _, hard = resource.getrlimit(resource.RLIMIT_CPU)
+        resource.setrlimit(resource.RLIMIT_CPU, (soft, hard))
 
 
 if __name__ == "__main__":
