@@ -7,7 +7,8 @@ from pathlib import Path
 import numpy as np
 
 from tests.scenes import RUBBER
-from warp_mps.particles.filling import Particles, fill_scene
+from warp_mps.particles.filling import fill_scene
+from warp_mps.particles.particles import Particles
 from warp_mps.scene import Body, Scene, StageFrame, Wall
 from warp_mps.shapes import Box
 from warp_mps.usd.animation.writer import AnimationWriter

@@ -16,7 +16,8 @@ from warp_mps.core.types import numeric_types
 from warp_mps.elastic.hamiltonian.model import HamiltonianModel
 from warp_mps.elastic.springs.model import SpringModel
 from warp_mps.elastic.state import ElasticState, initial_state
-from warp_mps.particles.filling import Particles, fill_scene
+from warp_mps.particles.filling import fill_scene
+from warp_mps.particles.particles import Particles
 from warp_mps.scene import Scene
 
 

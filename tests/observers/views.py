@@ -6,7 +6,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from warp_mps.particles.filling import Particles, fill_scene
+from warp_mps.particles.filling import fill_scene
+from warp_mps.particles.particles import Particles
 from warp_mps.results.energy import Energy
 from warp_mps.scene import Body, Material, Probe, Scene, Support
 from warp_mps.shapes import Box

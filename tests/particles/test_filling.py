@@ -9,8 +9,10 @@ import pytest
 
 from tests.scenes import RUBBER, STEEL, block, scene_of
 from warp_mps.errors import InputError
-from warp_mps.particles import filling as particles
-from warp_mps.particles.filling import Particles, count_particles, fill_scene, select, select_held
+from warp_mps.particles import overlaps
+from warp_mps.particles.filling import count_particles, fill_scene
+from warp_mps.particles.particles import Particles
+from warp_mps.particles.selection import select, select_held
 from warp_mps.scene import Body, Load, Part, Scene, Support, VelocityField, Wall
 from warp_mps.shapes import Box, Cylinder, Points, contains
 
@@ -293,7 +295,7 @@ def test_what_cannot_be_counted_is_named() -> None:
 def test_bodies_that_are_apart_are_not_compared_one_by_one(monkeypatch: pytest.MonkeyPatch) -> None:
     """Hundreds of bodies are a case like another: only those that come near each other are looked at."""
     compared = []
-    monkeypatch.setattr(particles, "contains", lambda *args: compared.append(args) or contains(*args))
+    monkeypatch.setattr(overlaps, "contains", lambda *args: compared.append(args) or contains(*args))
     apart = [(0.3 * i, 0.3 * j) for i in range(20) for j in range(20)]
     bodies = [block(2, name=f"b{k}", shape=Box((0.2, 0.2), at), spacing=0.1) for k, at in enumerate(apart)]
     fill_scene(scene_of(*bodies))

@@ -12,7 +12,9 @@ from rich.console import Console
 from rich.table import Table
 
 from warp_mps.observers.sampling import make_sampler
-from warp_mps.particles.filling import Particles, fill_scene, select_held
+from warp_mps.particles.filling import fill_scene
+from warp_mps.particles.particles import Particles
+from warp_mps.particles.selection import select_held
 from warp_mps.results.formatting import duration, percent
 from warp_mps.results.summary import RunSummary, headline
 from warp_mps.run.cost import Cost, available_memory, estimate, refuse_too_large

@@ -16,7 +16,7 @@ from warp_mps.coupling.structures import ImplicitStructure, Structure, Substeppe
 from warp_mps.coupling.water import WetFluids
 from warp_mps.elastic.implicit.theta_rule import ImplicitSolid
 from warp_mps.elastic.output.stresses import StressFields
-from warp_mps.particles.filling import Particles
+from warp_mps.particles.particles import Particles
 from warp_mps.results.energy import Energy
 from warp_mps.scene import Scene
 

@@ -17,7 +17,7 @@ import warp as wp
 from warp_mps.core.types import NumericTypes
 from warp_mps.coupling.marker_kernels import marker_kernels
 from warp_mps.elastic.state import ElasticState
-from warp_mps.particles.filling import Particles
+from warp_mps.particles.particles import Particles
 
 # of a particle's spacing: how far a lattice may be off its cells by rounding
 ROUNDING = 1e-6

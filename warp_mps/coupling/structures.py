@@ -17,7 +17,7 @@ from warp_mps.core.types import NumericTypes
 from warp_mps.coupling.marker_kernels import marker_kernels
 from warp_mps.elastic.explicit.solid import Solid
 from warp_mps.elastic.implicit.theta_rule import ImplicitSolid
-from warp_mps.particles.filling import Particles
+from warp_mps.particles.particles import Particles
 from warp_mps.scene import Scene
 
 # residual of an implicit step in passes that are not the last, relative to its forces: far below what passes agree to,

@@ -8,7 +8,7 @@ from warp_mps.core.types import NumericTypes
 from warp_mps.elastic.hamiltonian.model import HamiltonianModel
 from warp_mps.elastic.model import ElasticModel
 from warp_mps.elastic.springs.model import SpringModel
-from warp_mps.particles.filling import Particles
+from warp_mps.particles.particles import Particles
 from warp_mps.scene import Scene
 
 

@@ -7,7 +7,7 @@ import numpy as np
 import warp as wp
 
 from warp_mps.core.types import NumericTypes
-from warp_mps.particles.filling import Particles
+from warp_mps.particles.particles import Particles
 
 
 @dataclass(kw_only=True)

@@ -25,7 +25,7 @@ from warp_mps.fluid.pressure import CONSERVATIVE, CORRECTED, KOSHIZUKA_OKA, pres
 from warp_mps.fluid.state import FluidState, initial_state
 from warp_mps.fluid.viscous import ImplicitViscosity, viscous_kernels
 from warp_mps.fluid.volumes import volume_kernels
-from warp_mps.particles.filling import Particles
+from warp_mps.particles.particles import Particles
 from warp_mps.scene import Scene
 from warp_mps.walls.poses import Poses, declare_rigid, moving_runs
 

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from warp_mps.errors import InputError
-from warp_mps.particles.filling import Particles
+from warp_mps.particles.particles import Particles
 from warp_mps.scene import Scene
 
 # explicit viscosity is stable up to this many l0^2 / nu (0.25 in 2-D is the limit of central differences)

@@ -13,7 +13,7 @@ from warp_mps.fluid.operators import Operators
 from warp_mps.fluid.state import FluidState
 from warp_mps.fluid.viscous import ImplicitViscosity
 from warp_mps.fluid.volumes import volume_kernels
-from warp_mps.particles.filling import Particles
+from warp_mps.particles.particles import Particles
 from warp_mps.results.energy import Energy
 from warp_mps.walls.poses import Poses
 

@@ -10,7 +10,7 @@ import warp as wp
 
 from warp_mps.core.types import NumericTypes
 from warp_mps.fluid.lists import NeighbourLists
-from warp_mps.particles.filling import Particles
+from warp_mps.particles.particles import Particles
 
 
 @dataclass(kw_only=True)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 
 from warp_mps.core.interrupts import hold_interrupts
-from warp_mps.particles.filling import Particles
+from warp_mps.particles.particles import Particles
 from warp_mps.results.energy import Energy
 
 if TYPE_CHECKING:

@@ -20,7 +20,8 @@ import numpy as np
 
 from warp_mps.observers.base import View
 from warp_mps.observers.rigid_point import rigid_point
-from warp_mps.particles.filling import REGION_TOLERANCE, Particles
+from warp_mps.particles.particles import Particles
+from warp_mps.particles.selection import REGION_TOLERANCE
 from warp_mps.scene import Probe, Scene
 from warp_mps.shapes import Shape, contains
 

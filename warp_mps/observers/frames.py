@@ -7,7 +7,7 @@ from pathlib import Path
 
 from warp_mps.observers.base import View
 from warp_mps.observers.sampling import FIELDS
-from warp_mps.particles.filling import Particles
+from warp_mps.particles.particles import Particles
 from warp_mps.scene import Scene
 
 

@@ -12,7 +12,7 @@ from __future__ import annotations
 import numpy as np
 
 from warp_mps.errors import InputError
-from warp_mps.particles.filling import Particles
+from warp_mps.particles.particles import Particles
 
 RADIUS = 2.1
 GROWTH = 1.5

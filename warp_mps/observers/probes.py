@@ -9,7 +9,7 @@ from pathlib import Path
 from warp_mps.errors import InputError, RunError
 from warp_mps.observers.base import View
 from warp_mps.observers.sampling import make_sampler
-from warp_mps.particles.filling import Particles
+from warp_mps.particles.particles import Particles
 from warp_mps.results.energy import ENERGY_NAMES
 from warp_mps.results.history import TIME_LABEL, History, energy_labels, format_row, read_history, write_history
 from warp_mps.scene import Scene

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from warp_mps.observers.base import View
-from warp_mps.particles.filling import Particles
+from warp_mps.particles.particles import Particles
 
 # particles of the wall that are looked at: few are enough, for a wall is rigid
 LOOKED_AT = 64

@@ -12,7 +12,8 @@ from warp_mps.observers.base import View
 from warp_mps.observers.fluid_sampling import sample_of_fluid
 from warp_mps.observers.interpolation import interpolate
 from warp_mps.observers.rigid_point import rigid_point
-from warp_mps.particles.filling import Particles, select
+from warp_mps.particles.particles import Particles
+from warp_mps.particles.selection import select
 from warp_mps.scene import PROBE_UNITS, Probe, Scene
 from warp_mps.scene.components import TENSORS, component_names, tensor_places
 from warp_mps.scene.validation.fluids import is_in_fluid

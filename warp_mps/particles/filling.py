@@ -1,110 +1,20 @@
-"""Particles: what the shapes of a scene become when they are filled on a lattice."""
+"""Filling the bodies, walls and fluids of a scene with particles on regular lattices."""
 
 from __future__ import annotations
-
-from collections.abc import Iterator
-from dataclasses import dataclass, fields
 
 import numpy as np
 
 from warp_mps.errors import InputError
+from warp_mps.particles.overlaps import OVERLAP, refuse_loose_bonds, refuse_overlap
+from warp_mps.particles.particles import Particles
+from warp_mps.particles.selection import REGION_TOLERANCE
 from warp_mps.particles.velocity_fields import velocity
-from warp_mps.scene import Body, Fluid, Load, Scene, Support, Wall
-from warp_mps.scene.validation.scene import place
-from warp_mps.shapes import Points, Shape, contains, fill, particle_count
+from warp_mps.scene import Body, Fluid, Scene
+from warp_mps.scene.validation.rules import kind_of, place
+from warp_mps.shapes import Points, contains, fill, particle_count
 
-# a face of a region holds the particles that lie on it, whatever the rounding
-REGION_TOLERANCE = 1e-6
-# in particle spacings: bodies that touch put no particle deeper than this below each other's surface, and none closer
-# to another's particle than half a spacing
-SURFACE = 1e-3
-OVERLAP = 0.499
-# of walls, whose mass is never felt: it only lets them be weighted as bodies are
+# density of wall particles [kg/m^3]: the mass of a wall has no effect, it only lets walls be weighted as bodies are
 NOMINAL_DENSITY = 1000.0
-
-
-@dataclass(frozen=True, kw_only=True)
-class Particles:
-    """The particles of a scene in their reference configuration, body after body, each sorted by cell.
-
-    The elastic bodies come first, then the walls, then the fluids; all count as bodies here.
-
-    Attributes:
-        names: Names of the bodies, in order.
-        ranges: First and one past the last particle of each body, shape [bodies, 2].
-        elastic: Number of elastic particles, the first ones.
-        liquid: Number of fluid particles, the last ones; those in between are of walls.
-        positions: Reference positions X [m], shape [n, dimension].
-        velocities: Initial velocities [m/s], shape [n, dimension].
-        angular_velocities: Initial angular velocities [rad/s], shape [n, 1] in 2-D and [n, 3] in 3-D.
-        masses: Masses [kg], in 2-D [kg/m], shape [n]; of walls nominal ones, by `NOMINAL_DENSITY`.
-        spacings: Particle spacing l0 [m], shape [n].
-        bodies: Index of the body of each particle, shape [n].
-        materials: Index of the material of each particle in those of the scene, -1 for walls, shape [n].
-        groups: Index of the group of bonded bodies of each particle, shape [n]; all walls are one.
-        ids: Identifiers, stable whatever the order, unique in the scene, shape [n].
-    """
-
-    names: tuple[str, ...]
-    ranges: np.ndarray
-    elastic: int
-    liquid: int
-    positions: np.ndarray
-    velocities: np.ndarray
-    angular_velocities: np.ndarray
-    masses: np.ndarray
-    spacings: np.ndarray
-    bodies: np.ndarray
-    materials: np.ndarray
-    groups: np.ndarray
-    ids: np.ndarray
-
-    @property
-    def count(self) -> int:
-        """Number of particles."""
-        return len(self.positions)
-
-    @property
-    def dimension(self) -> int:
-        """2 or 3."""
-        return int(self.positions.shape[1])
-
-    @property
-    def elastic_bodies(self) -> int:
-        """Number of elastic bodies."""
-        return int(np.sum(self.ranges[:, 1] <= self.elastic))
-
-    @property
-    def walls(self) -> np.ndarray:
-        """Index in `Scene.walls` of the wall of each particle, -1 for others, shape [n]."""
-        walls = np.maximum(self.bodies - self.elastic_bodies, -1)
-        walls[self.count - self.liquid :] = -1
-        return walls
-
-    def describe(self, index: int) -> str:
-        """What a person calls a particle: its identifier, its body, and where it comes from."""
-        place = ", ".join(f"{value:.6g}" for value in self.positions[index])
-        return f"particle {int(self.ids[index])} of body '{self.names[int(self.bodies[index])]}' (from ({place}) m)"
-
-    def elastic_part(self) -> Particles:
-        """The elastic particles alone."""
-        return self._first(self.elastic)
-
-    def dry_part(self) -> Particles:
-        """The elastic particles and those of walls."""
-        return self._first(self.count - self.liquid)
-
-    def _first(self, count: int) -> Particles:
-        """The first bodies, of so many particles, which are not of fluids."""
-        if count == self.count:
-            return self
-        bodies = int(np.sum(self.ranges[:, 1] <= count))
-        rows = {item.name: getattr(self, item.name)[:count] for item in fields(self) if item.name not in _WHOLE}
-        return Particles(names=self.names[:bodies], ranges=self.ranges[:bodies], elastic=self.elastic, liquid=0, **rows)
-
-
-# what has no row a particle
-_WHOLE = ("names", "ranges", "elastic", "liquid")
 
 
 def count_particles(scene: Scene) -> dict[str, int]:
@@ -151,39 +61,9 @@ def fill_scene(scene: Scene) -> Particles:
         groups=_groups(scene)[of_body],
         ids=np.arange(int(ends[-1])),
     )
-    _refuse_overlap(scene, particles)
-    _refuse_loose_bonds(scene, particles)
+    refuse_overlap(scene, particles)
+    refuse_loose_bonds(scene, particles)
     return particles
-
-
-def select(particles: Particles, region: Shape, bodies: tuple[str, ...] = ()) -> np.ndarray:
-    """Indices of the elastic particles whose reference position lies in a region.
-
-    Args:
-        particles: The particles.
-        region: The region; its faces belong to it.
-        bodies: Names of the bodies to look at, all when empty.
-    """
-    part = slice(particles.elastic)
-    inside = contains(region, particles.positions[part], REGION_TOLERANCE * float(particles.spacings[part].min()))
-    if bodies:
-        inside &= np.isin(particles.bodies[part], [particles.names.index(name) for name in bodies])
-    return np.flatnonzero(inside)
-
-
-def select_held(particles: Particles, item: Support | Load) -> np.ndarray:
-    """Indices of the particles that a support holds or a load acts on.
-
-    Raises:
-        InputError: There is none.
-    """
-    found = select(particles, item.region, item.bodies)
-    if len(found) == 0:
-        kind = "support" if isinstance(item, Support) else "load"
-        raise InputError(
-            place(item, kind), "region", f"the {kind} holds no particle: its region must reach into a body"
-        )
-    return found
 
 
 def _fill_body(scene: Scene, body: Body | Fluid) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -269,53 +149,3 @@ def _groups(scene: Scene) -> np.ndarray:
             groups[groups == groups[j]] = groups[i]
     n = len(names)
     return np.concatenate((groups, np.full(len(scene.walls), n), np.full(len(scene.fluids), n + 1)))
-
-
-def _refuse_loose_bonds(scene: Scene, particles: Particles) -> None:
-    """Refuse a bond between bodies that have no two particles within the effective radius of each other."""
-    for i, body in enumerate(scene.bodies):
-        for name in body.bonded_to:
-            j = particles.names.index(name)
-            here, there = (particles.positions[slice(*particles.ranges[k])] for k in (i, j))
-            reach = scene.elasticity.effective_radius * body.spacing
-            if i == j or not contains(Points(there), here, reach).any():
-                reason = f"names {name!r}, which it does not touch: no two particles are within {reach:.3g} m"
-                raise InputError(place(body, "body"), "bonded_to", reason)
-
-
-def _refuse_overlap(scene: Scene, particles: Particles) -> None:
-    """Refuse a particle inside another body, or on top of another body's particle; walls may share space."""
-    for a, b in _near(scene, particles):
-        one, other = scene.filled[a], scene.filled[b]
-        if isinstance(one, Wall) and isinstance(other, Wall):
-            continue
-        positions = particles.positions[slice(*particles.ranges[a])]
-        others = particles.positions[slice(*particles.ranges[b])]
-        mean_spacing = 0.5 * (one.spacing + other.spacing)
-        near = np.all((positions > others.min(0) - mean_spacing) & (positions < others.max(0) + mean_spacing), axis=1)
-        positions = positions[near]
-        bad = contains(other.shape, positions, -SURFACE * mean_spacing)
-        bad |= contains(Points(others), positions, OVERLAP * mean_spacing)
-        if bad.any():
-            at = ", ".join(f"{c:.6g}" for c in positions[np.argmax(bad)])
-            reason = f"overlaps {place(other, kind_of(other))} at ({at}) m; bodies may touch but not share space"
-            if Fluid in (type(one), type(other)):
-                reason += "; a fluid about something is made of several that leave it out"
-            raise InputError(place(one, kind_of(one)), "shape", reason)
-
-
-def _near(scene: Scene, particles: Particles) -> Iterator[tuple[int, int]]:
-    """Pairs of different bodies the boxes about whose particles come as near as a particle is wide."""
-    parts = [particles.positions[slice(*bounds)] for bounds in particles.ranges]
-    low, high = np.array([part.min(axis=0) for part in parts]), np.array([part.max(axis=0) for part in parts])
-    spacings = np.array([item.spacing for item in scene.filled])
-    for a, spacing in enumerate(spacings):
-        margin = 0.5 * (spacing + spacings)[:, None]
-        for b in np.flatnonzero(np.all((high[a] > low - margin) & (low[a] < high + margin), axis=1)):
-            if a != b:
-                yield a, int(b)
-
-
-def kind_of(item: Body | Wall | Fluid) -> str:
-    """What errors call it."""
-    return "wall" if isinstance(item, Wall) else "fluid" if isinstance(item, Fluid) else "body"

@@ -12,9 +12,11 @@ import numpy as np
 from warp_mps.core.weights import lattice_neighbours
 from warp_mps.elastic.explicit.time_step import stable_time_step
 from warp_mps.errors import InputError
-from warp_mps.particles.filling import Particles, count_particles, fill_scene, kind_of
+from warp_mps.particles.filling import count_particles, fill_scene
+from warp_mps.particles.particles import Particles
 from warp_mps.run.schedule import Clock
 from warp_mps.scene import Body, Scene
+from warp_mps.scene.validation.rules import kind_of
 from warp_mps.scene.validation.scene import place
 
 # seconds a particle-step and neighbour on one CPU core, as the benchmark measures it (2-D, 3-D)

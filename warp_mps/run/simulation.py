@@ -12,7 +12,8 @@ import numpy as np
 from warp_mps.core.interrupts import hold_interrupts
 from warp_mps.errors import InputError, RunError
 from warp_mps.observers.base import Observer, closing
-from warp_mps.particles.filling import Particles, fill_scene
+from warp_mps.particles.filling import fill_scene
+from warp_mps.particles.particles import Particles
 from warp_mps.results.energy import Energy
 from warp_mps.run.schedule import Clock
 from warp_mps.run.system import PacedSystem, System

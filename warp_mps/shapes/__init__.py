@@ -4,7 +4,8 @@ Shapes are three-dimensional and lie in the scene's coordinates; a two-dimension
 """
 
 from warp_mps.shapes.filling import contains, fill, particle_count
+from warp_mps.shapes.mesh import Mesh
+from warp_mps.shapes.points import Points
 from warp_mps.shapes.primitives import Box, Cylinder, Shape, Sphere
-from warp_mps.shapes.sampled import Mesh, Points
 
 __all__ = ["Box", "Cylinder", "Mesh", "Points", "Shape", "Sphere", "contains", "fill", "particle_count"]

@@ -8,9 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from warp_mps.errors import InputError
-from warp_mps.shapes import lattice, solid
+from warp_mps.shapes import closed_surface, lattice
+from warp_mps.shapes.mesh import Mesh
+from warp_mps.shapes.points import Points
 from warp_mps.shapes.primitives import Box, Shape
-from warp_mps.shapes.sampled import Mesh, Points
 
 # In particle spacings: cells whose centre lies on the surface but for rounding are kept, so that a symmetric shape
 # stays symmetric.
@@ -120,7 +121,7 @@ class _Grid:
 def _grid(shape: Shape, spacing: float, dimension: int, node_axes: Sequence[int], where: str) -> _Grid:
     if not spacing > 0 or not np.isfinite(spacing):
         raise InputError(where, "spacing", f"must be positive, not {spacing}")
-    if isinstance(shape, Mesh) and not solid.is_closed(shape.points, shape.triangles):
+    if isinstance(shape, Mesh) and not closed_surface.is_closed(shape.points, shape.triangles):
         raise InputError(where, "shape", "the mesh is not closed: every edge must belong to exactly two triangles")
     numbers, axes, aligned = _axes(shape, dimension)
     intervals = _intervals(shape, axes, dimension, where)
@@ -155,7 +156,7 @@ def _intervals(shape: Shape, axes: np.ndarray, dimension: int, where: str) -> li
     """Least and greatest coordinate of the shape, or of its section, along each axis [m]."""
     if dimension == 2:
         low, high = shape.interval(np.array([0.0, 0.0, 1.0]))
-        ends = solid.section(shape.corners()).reshape(-1, 3) if isinstance(shape, Mesh) else None
+        ends = closed_surface.section(shape.corners()).reshape(-1, 3) if isinstance(shape, Mesh) else None
         if low > 0 or high < 0 or (ends is not None and not len(ends)):
             text = (
                 f"has no section at z = 0, where the plane of a 2-D scene lies: it reaches from {low:g} to {high:g} m"

@@ -6,7 +6,7 @@ import numpy as np
 import warp as wp
 
 from warp_mps.core.types import NumericTypes
-from warp_mps.particles.filling import Particles
+from warp_mps.particles.particles import Particles
 from warp_mps.scene import HarmonicMotion, HarmonicRotation, Scene, TableMotion, TableRotation, Wall
 from warp_mps.scene.spline import clamped_slopes
 from warp_mps.walls.kernels import METHOD, rigid_kernels

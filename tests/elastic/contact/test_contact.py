@@ -13,7 +13,7 @@ from warp_mps.elastic.contact import model as contacts
 from warp_mps.elastic.contact.law import law_constants
 from warp_mps.errors import RunError
 from warp_mps.observers.base import View
-from warp_mps.particles.filling import Particles
+from warp_mps.particles.particles import Particles
 from warp_mps.run.simulation import Simulation
 from warp_mps.scene import Body, Contact, Material, Scene
 from warp_mps.shapes import Box, Points

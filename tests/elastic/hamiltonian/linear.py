@@ -12,7 +12,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from tests.elastic.springs.linear import LinearSystem, lame_of, pairs_of
-from warp_mps.particles.filling import Particles
+from warp_mps.particles.particles import Particles
 from warp_mps.scene import Scene
 
 

@@ -12,7 +12,8 @@ from tests.elastic.hamiltonian.linear import linear_hamiltonian
 from tests.elastic.springs.linear import LinearSystem
 from tests.elastic.states import strain
 from tests.scenes import HAMILTONIAN, LENGTH, RUBBER, STEEL, bar, beam, block, ends, random, scene_of
-from warp_mps.particles.filling import Particles, fill_scene
+from warp_mps.particles.filling import fill_scene
+from warp_mps.particles.particles import Particles
 from warp_mps.run.simulation import Simulation
 from warp_mps.scene import LAWS, Elasticity, Scene, Support
 from warp_mps.shapes import Box

@@ -12,7 +12,7 @@ from tests.bits import assert_restored_goes_on
 from tests.elastic.implicit.plates import DEFLECTION, PRESSURE, plate
 from tests.scenes import RUBBER, block, cross, random
 from warp_mps.errors import RunError
-from warp_mps.particles.filling import select
+from warp_mps.particles.selection import select
 from warp_mps.results.history import read_history
 from warp_mps.run.run import run_scene
 from warp_mps.run.simulation import Simulation

@@ -17,7 +17,8 @@ from warp_mps.elastic.explicit.solid import declare_kernels
 from warp_mps.elastic.implicit.kernels import declare_implicit
 from warp_mps.elastic.implicit.theta_rule import ImplicitSolid
 from warp_mps.errors import RunError
-from warp_mps.particles.filling import fill_scene, select
+from warp_mps.particles.filling import fill_scene
+from warp_mps.particles.selection import select
 from warp_mps.results.sinusoid_fit import dominant, fit
 from warp_mps.run.simulation import Simulation
 from warp_mps.scene import Body, Contact, HarmonicMotion, Load, Material, Scene, Support, TableMotion, VelocityField

@@ -10,7 +10,8 @@ from tests.core.rotors import rotors_of
 from tests.elastic.springs.linear import LinearSystem, linear_system
 from tests.elastic.states import hold
 from tests.scenes import LENGTH, STEEL, bar, beam, block, corners, ends, random, scene_of
-from warp_mps.particles.filling import Particles, fill_scene
+from warp_mps.particles.filling import fill_scene
+from warp_mps.particles.particles import Particles
 from warp_mps.run.simulation import Simulation
 from warp_mps.scene import Elasticity, Scene, Support
 from warp_mps.shapes import Box

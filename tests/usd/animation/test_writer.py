@@ -16,7 +16,8 @@ from pxr import Usd, UsdGeom, UsdPhysics
 
 from tests.observers.views import blocks
 from warp_mps.errors import InputError, RunError
-from warp_mps.particles.filling import Particles, fill_scene
+from warp_mps.particles.filling import fill_scene
+from warp_mps.particles.particles import Particles
 from warp_mps.scene import StageFrame
 from warp_mps.usd.animation import points_file as points
 from warp_mps.usd.animation.writer import AnimationWriter

@@ -10,7 +10,8 @@ from warp_mps.core.types import NumericTypes
 from warp_mps.elastic.boundary.kernels import load_kernels
 from warp_mps.elastic.state import ElasticState
 from warp_mps.errors import InputError
-from warp_mps.particles.filling import Particles, select_held
+from warp_mps.particles.particles import Particles
+from warp_mps.particles.selection import select_held
 from warp_mps.scene import HarmonicMotion, Load, Scene, Support, TableMotion
 from warp_mps.scene.spline import clamped_slopes
 from warp_mps.scene.validation.scene import place

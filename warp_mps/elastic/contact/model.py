@@ -15,7 +15,7 @@ from warp_mps.elastic.contact.kernels import TOGETHER, contact_kernels
 from warp_mps.elastic.contact.law import APART, SUPPORT, capacity, law_constants
 from warp_mps.elastic.contact.search_kernels import CHUNK, FACES, search_kernels
 from warp_mps.elastic.state import ElasticState
-from warp_mps.particles.filling import Particles
+from warp_mps.particles.particles import Particles
 from warp_mps.scene import Scene
 
 # margin of the candidate list beyond the support of the law, in units of the smallest spacing

@@ -7,7 +7,7 @@ import warp as wp
 
 from warp_mps.core.types import NumericTypes
 from warp_mps.elastic.state import ElasticState
-from warp_mps.particles.filling import Particles
+from warp_mps.particles.particles import Particles
 from warp_mps.scene import Scene
 from warp_mps.walls.kernels import rigid_kernels
 from warp_mps.walls.poses import Poses, moving_runs

@@ -11,7 +11,7 @@ from warp_mps.elastic.hamiltonian.model import HamiltonianModel
 from warp_mps.elastic.materials.constants import lame_constants
 from warp_mps.elastic.model import ElasticModel
 from warp_mps.elastic.state import ElasticState
-from warp_mps.particles.filling import Particles
+from warp_mps.particles.particles import Particles
 from warp_mps.scene import Scene
 
 

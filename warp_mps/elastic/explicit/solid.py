@@ -28,7 +28,7 @@ from warp_mps.elastic.output.stresses import StressFields, stress_kernels
 from warp_mps.elastic.springs.kernels import spring_kernels
 from warp_mps.elastic.springs.rotation_kernels import spin_kernels
 from warp_mps.elastic.state import ElasticState, initial_state
-from warp_mps.particles.filling import Particles
+from warp_mps.particles.particles import Particles
 from warp_mps.results.energy import Energy
 from warp_mps.scene import Scene
 

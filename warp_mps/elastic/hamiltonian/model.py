@@ -14,7 +14,7 @@ from warp_mps.elastic.model import Pass
 from warp_mps.elastic.output.stresses import StressFields, stress_fields, stress_kernels
 from warp_mps.elastic.state import ElasticState
 from warp_mps.errors import InputError
-from warp_mps.particles.filling import Particles
+from warp_mps.particles.particles import Particles
 from warp_mps.scene import LAWS, Scene
 from warp_mps.scene.validation.scene import place
 

@@ -25,7 +25,7 @@ from warp_mps.elastic.implicit.newton_kernels import newton_kernels
 from warp_mps.elastic.implicit.tangent_operator import Tangent
 from warp_mps.elastic.implicit.two_level import TwoLevel
 from warp_mps.elastic.state import ElasticState
-from warp_mps.particles.filling import Particles
+from warp_mps.particles.particles import Particles
 
 # residual of the forces, relative to what they are measured by
 TOLERANCES = {"float64": 1e-8, "float32": 1e-4}

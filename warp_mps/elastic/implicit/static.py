@@ -15,7 +15,8 @@ from warp_mps.elastic.implicit.newton import Newton
 from warp_mps.elastic.implicit.statistics import solver_record
 from warp_mps.elastic.implicit.step_kernels import step_kernels
 from warp_mps.errors import RunError
-from warp_mps.particles.filling import Particles, select_held
+from warp_mps.particles.particles import Particles
+from warp_mps.particles.selection import select_held
 from warp_mps.results.energy import Energy
 from warp_mps.scene import Scene, TableMotion
 

@@ -32,7 +32,7 @@ from warp_mps.elastic.implicit.newton import LINEAR_TOLERANCE, Newton
 from warp_mps.elastic.implicit.statistics import solver_record
 from warp_mps.elastic.implicit.step_kernels import step_kernels
 from warp_mps.errors import RunError
-from warp_mps.particles.filling import Particles
+from warp_mps.particles.particles import Particles
 from warp_mps.scene import Scene
 
 

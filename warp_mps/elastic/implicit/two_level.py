@@ -32,7 +32,7 @@ from warp_mps.elastic.implicit.reuse import Renewal
 from warp_mps.elastic.implicit.tangent_operator import Tangent
 from warp_mps.elastic.implicit.two_level_kernels import two_level_kernels
 from warp_mps.elastic.state import ElasticState
-from warp_mps.particles.filling import Particles
+from warp_mps.particles.particles import Particles
 
 # added to the diagonal of a coarse matrix of unit diagonal: for bodies that nothing holds, and for the rounding of
 # products in the run's precision

@@ -15,7 +15,7 @@ from warp_mps.elastic.output.stresses import StressFields, stress_fields, stress
 from warp_mps.elastic.springs.kernels import spring_kernels
 from warp_mps.elastic.springs.rotation import Spins
 from warp_mps.elastic.state import ElasticState
-from warp_mps.particles.filling import Particles
+from warp_mps.particles.particles import Particles
 from warp_mps.scene import Scene
 
 

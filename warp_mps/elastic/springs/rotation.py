@@ -8,7 +8,7 @@ import warp as wp
 from warp_mps.core.rotation import identity_rotors
 from warp_mps.core.types import NumericTypes
 from warp_mps.elastic.springs.rotation_kernels import spin_kernels
-from warp_mps.particles.filling import Particles
+from warp_mps.particles.particles import Particles
 
 EVOLVING = ("q", "omega", "torque")
 

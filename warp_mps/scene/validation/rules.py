@@ -26,6 +26,11 @@ def place(item: Body | Part | Wall | Fluid | Support | Load | Probe | Measuremen
     return item.path or f"{kind} '{item.name}'"
 
 
+def kind_of(item: Body | Wall | Fluid) -> str:
+    """How an error names what is filled with particles: ``body``, ``wall`` or ``fluid``."""
+    return type(item).__name__.lower()
+
+
 def require(good: bool | np.bool_, where: str, attribute: str, reason: str) -> None:
     """Refuse what is not good: a line with the place, the attribute and the reason.
 

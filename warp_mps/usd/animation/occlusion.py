@@ -9,7 +9,7 @@ import numpy as np
 from warp_mps.usd.animation.viewpoint import space_axes
 
 if TYPE_CHECKING:
-    from warp_mps.particles.filling import Particles
+    from warp_mps.particles.particles import Particles
     from warp_mps.scene import StageFrame
 
 # largest share of the content that a wall may hide

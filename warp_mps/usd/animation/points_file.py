@@ -13,7 +13,7 @@ import numpy as np
 from pxr import Sdf, Tf, Usd, UsdGeom, UsdPhysics, Vt
 
 from warp_mps.errors import InputError, RunError
-from warp_mps.particles.filling import Particles
+from warp_mps.particles.particles import Particles
 from warp_mps.scene import OUTPUTS
 from warp_mps.usd.animation.occlusion import occluding_walls
 from warp_mps.usd.animation.scenery import Scenery, paint

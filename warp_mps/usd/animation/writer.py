@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from warp_mps.errors import InputError
-from warp_mps.particles.filling import Particles
+from warp_mps.particles.particles import Particles
 from warp_mps.usd.animation.points_file import PointsFile, open_until
 
 if TYPE_CHECKING:

@@ -1,4 +1,4 @@
-"""The shapes that are lists of numbers: closed meshes and ready-made particles."""
+"""A shape bounded by a closed surface of triangles."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from warp_mps.errors import InputError
-from warp_mps.shapes import lattice, solid
+from warp_mps.shapes import closed_surface
 from warp_mps.shapes.primitives import Shape, as_array
 
 
@@ -49,44 +49,7 @@ class Mesh(Shape):
     def inside(self, points: np.ndarray, tolerance: float) -> np.ndarray:
         """Whether points of the scene, shape [n, 3], lie in the surface or within a tolerance [m] of it."""
         corners = self.corners()
-        result = solid.enclosed(points, corners)
+        result = closed_surface.enclosed(points, corners)
         if tolerance > 0 and not result.all():
-            result[~result] = solid.near_surface(points[~result], corners, tolerance)
+            result[~result] = closed_surface.near_surface(points[~result], corners, tolerance)
         return result
-
-
-@dataclass(frozen=True, eq=False)
-class Points(Shape):
-    """Ready-made particles.
-
-    Attributes:
-        positions: Positions [m], shape [n, 2] or [n, 3].
-        velocities: Initial velocities in the scene's coordinates [m/s], of the same shape; None for none.
-    """
-
-    positions: np.ndarray
-    velocities: np.ndarray | None = None
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        self._set("positions", self._rows("positions", self.positions))
-        if self.velocities is not None:
-            self._set("velocities", self._rows("velocities", self.velocities))
-            if len(self.velocities) != len(self.positions):
-                message = f"has {len(self.velocities)} rows for {len(self.positions)} positions"
-                raise InputError(self._kind, "velocities", message)
-
-    def _rows(self, name: str, values: np.ndarray) -> np.ndarray:
-        rows = as_array(values)
-        if rows.ndim != 2 or rows.shape[1] not in (2, 3) or not np.isfinite(rows).all():
-            raise InputError(self._kind, name, "must be finite, shape [n, 2] or [n, 3]")
-        return np.pad(rows, ((0, 0), (0, 3 - rows.shape[1])))
-
-    def interval(self, direction: np.ndarray) -> tuple[float, float]:
-        """Least and greatest coordinate of the placed points along a unit direction of the scene [m]."""
-        along = self.to_scene(self.positions) @ direction
-        return float(along.min()), float(along.max())
-
-    def inside(self, points: np.ndarray, tolerance: float) -> np.ndarray:
-        """Whether points of the scene, shape [n, 3], lie within a tolerance [m] of a particle."""
-        return lattice.near_points(points, self.to_scene(self.positions), tolerance)
