@@ -1,13 +1,19 @@
 """The weight function and the number density of a full lattice, by hand."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
 import pytest
+import warp as wp
 
-from warp_mps.core.weights import lattice_neighbours, lattice_number_density, weight
+from warp_mps.core.types import PRECISIONS, numeric_types
+from warp_mps.core.weights import (
+    LEAST_DISTANCE,
+    lattice_neighbours,
+    lattice_number_density,
+    weight,
+    weight_function,
+)
 
 
 def test_weight_by_hand() -> None:
@@ -45,3 +51,21 @@ def test_neighbours_at_the_radius_weigh_nothing() -> None:
 )
 def test_neighbours_inside_a_lattice(dimension: int, radius: float, count: int) -> None:
     assert lattice_neighbours(dimension, radius) == count
+
+
+@pytest.mark.parametrize("precision", PRECISIONS)
+def test_the_warp_function_is_that_of_numpy(precision: str) -> None:
+    """And is finite for two particles in one place."""
+    types = numeric_types(2, precision)
+    weigh = weight_function(types)
+    real = types.real
+
+    @wp.kernel(module="unique", enable_backward=False)
+    def weigh_all(r: wp.array(dtype=real), r_e: real, w_out: wp.array(dtype=real)):
+        w_out[wp.tid()] = weigh(r[wp.tid()], r_e)
+
+    r = wp.array([0.5, 1.0, 2.0, 2.1, 3.0, 0.0], dtype=real, device="cpu")
+    w = wp.zeros_like(r)
+    wp.launch(weigh_all, len(r), [r, 2.1], [w], device="cpu")
+    np.testing.assert_allclose(w.numpy()[:5], weight(r.numpy()[:5], 2.1), rtol=1e-6, atol=1e-6)
+    assert w.numpy()[5] == pytest.approx(1.0 / LEAST_DISTANCE)

@@ -1,11 +1,19 @@
-"""The MPS weight function and what it sums to on a full lattice.
+"""The MPS weight function, on arrays and in kernels, and its sum over a full lattice.
 
 References:
     Koshizuka, S. and Oka, Y., Nuclear Science and Engineering 123 (1996) 421; eqs. 5 and 8 of the paper.
 """
 
+import functools
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 
+if TYPE_CHECKING:
+    from warp_mps.core.types import NumericTypes
+
+# distances below this share of r_e count as this share, so that two particles in one place have a finite weight
+LEAST_DISTANCE = 1.0e-6
 # a lattice places neighbours exactly at r_e: rounding must not decide who is one
 REACH_TOLERANCE = 1.0 + 1e-6
 
@@ -13,6 +21,25 @@ REACH_TOLERANCE = 1.0 + 1e-6
 def weight(r: np.ndarray, r_e: np.ndarray | float) -> np.ndarray:
     """Weight w(r) = r_e / r - 1 for r < r_e, else 0 (eq. 5) [-]."""
     return np.maximum(r_e / r - 1.0, 0.0)
+
+
+@functools.cache
+def weight_function(types: "NumericTypes") -> Any:
+    """The weight w(r) = r_e / r - 1 for r < r_e, else 0 (eq. 5), as a Warp function `weight(r, r_e)` of two reals.
+
+    It is finite at r = 0; see `LEAST_DISTANCE`.
+    """
+    # the sums over lattices are needed where Warp is not loaded
+    import warp as wp
+
+    real = types.real
+
+    @types.func("weights")
+    def weight(r: real, r_e: real) -> real:
+        """w(r) = r_e / r - 1 for r < r_e, else 0 (Koshizuka & Oka 1996, eq. 5) [-]."""
+        return wp.max(r_e / wp.max(r, real(wp.static(LEAST_DISTANCE)) * r_e) - real(1.0), real(0.0))
+
+    return weight
 
 
 def lattice_number_density(dimension: int, effective_radius: float) -> float:

@@ -18,9 +18,10 @@ from types import SimpleNamespace
 import warp as wp
 
 from warp_mps.core.linear.kernels import FRESH
+from warp_mps.core.periodic import displacement_function
 from warp_mps.core.types import NumericTypes
-from warp_mps.fluid.lists import list_kernels
-from warp_mps.fluid.pressure import CLOSEST, pressure_kernels
+from warp_mps.core.weights import weight_function
+from warp_mps.fluid.pressure import CLOSEST
 
 METHOD = "coupling"
 
@@ -29,12 +30,12 @@ METHOD = "coupling"
 def coupling_kernels(types: NumericTypes) -> SimpleNamespace:
     """Kernels `find_wet`, `stiffen`, `respond`, `answer`, `couple` and `couple_product`."""
     real, vec = types.real, types.vec
-    apart, weight = list_kernels(types).apart, pressure_kernels(types).weight
+    displacement, weight = displacement_function(types), weight_function(types)
 
     @types.func(METHOD)
     def arm(x_i: vec, x_j: vec, tilt: vec, period: vec, radius: real, spacing: real, laplacian: real) -> vec:
         """The arm x_ij - tilt_i times c."""
-        x_ij = apart(x_i, x_j, period)
+        x_ij = displacement(x_i, x_j, period)
         square = wp.dot(x_ij, x_ij)
         if square >= radius * radius:
             return vec()

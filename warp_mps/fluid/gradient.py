@@ -24,8 +24,10 @@ from types import SimpleNamespace
 
 import warp as wp
 
+from warp_mps.core.periodic import displacement_function
 from warp_mps.core.types import NumericTypes
-from warp_mps.fluid.lists import METHOD, list_kernels
+from warp_mps.core.weights import weight_function
+from warp_mps.fluid.lists import METHOD
 from warp_mps.fluid.planes import LEAST_SPREAD, plane_kernels
 from warp_mps.fluid.pressure import CONSERVATIVE, CORRECTED, LEAST_DETERMINANT, pressure_kernels
 
@@ -38,8 +40,8 @@ def gradient_kernels(types: NumericTypes) -> SimpleNamespace:
     """Kernels `find_slopes`, `push`, `push_walls` and `wall_pressure`."""
     real, vec, mat, d = types.real, types.vec, types.mat, types.dimension
     vec64 = wp.types.vector(length=d, dtype=wp.float64)
-    apart, weight, slope = list_kernels(types).apart, pressure_kernels(types).weight, pressure_kernels(types).slope
-
+    displacement, weight = displacement_function(types), weight_function(types)
+    slope = pressure_kernels(types).slope
     spread = plane_kernels(types).spread
 
     @types.func(METHOD)
@@ -93,7 +95,7 @@ def gradient_kernels(types: NumericTypes) -> SimpleNamespace:
             weights = real(0.0)
             for m in range(count[i]):
                 j = listed[i, m]
-                x_ij = apart(x_i, x[j], period)
+                x_ij = displacement(x_i, x[j], period)
                 square = wp.dot(x_ij, x_ij)
                 if square < radius * radius:
                     c = gradient * slope(wp.static(CONSERVATIVE), wp.sqrt(square), radius)
@@ -144,13 +146,13 @@ def gradient_kernels(types: NumericTypes) -> SimpleNamespace:
         if scheme > wp.static(CORRECTED):
             for m in range(count[i]):
                 j = listed[i, m]
-                if j >= walls and wp.length(apart(x_i, x[j], period)) < radius:
+                if j >= walls and wp.length(displacement(x_i, x[j], period)) < radius:
                     p_min = wp.min(p_min, real(p[j - walls]))
         moments = mat()
         total = vec()
         for m in range(count[i]):
             j = listed[i, m]
-            x_ij = apart(x_i, x[j], period)
+            x_ij = displacement(x_i, x[j], period)
             square = wp.dot(x_ij, x_ij)
             if square < radius * radius:
                 r = wp.max(wp.sqrt(square), real(CLOSEST) * radius)
@@ -210,7 +212,7 @@ def gradient_kernels(types: NumericTypes) -> SimpleNamespace:
         total = vec()
         for m in range(count[j]):
             i = listed[j, m]
-            x_ij = apart(x[i], x_j, period)
+            x_ij = displacement(x[i], x_j, period)
             square = wp.dot(x_ij, x_ij)
             if square < radius * radius:
                 r = wp.max(wp.sqrt(square), real(CLOSEST) * radius)
@@ -248,7 +250,7 @@ def gradient_kernels(types: NumericTypes) -> SimpleNamespace:
         weights = real(0.0)
         for m in range(count[j]):
             i = listed[j, m]
-            x_ij = apart(x[i], x_j, period)
+            x_ij = displacement(x[i], x_j, period)
             w = weight(wp.length(x_ij), radius)
             total += w * beyond(real(p[i - walls]), density * wp.dot(gravity - a[j], x_ij), clip)
             weights += w

@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 import warp as wp
 
+from warp_mps.core.periodic import displacement_function
 from warp_mps.core.types import NumericTypes
 from warp_mps.core.weights import lattice_neighbours
 from warp_mps.scene.numerics import SKIN
@@ -44,17 +45,9 @@ def even_neighbours(dimension: int, effective_radius: float) -> int:
 
 @functools.cache
 def list_kernels(types: NumericTypes) -> SimpleNamespace:
-    """Kernels `locate` and `search`, and the function `apart`."""
+    """Kernels `locate` and `search`."""
     real, vec, vec3, d = types.real, types.vec, types.vec3, types.dimension
-
-    @types.func(METHOD)
-    def apart(x_i: vec, x_j: vec, period: vec) -> vec:
-        """x_ij, the shortest where space is periodic (period above 0)."""
-        x = x_j - x_i
-        for axis in range(wp.static(d)):
-            if period[axis] > real(0.0):
-                x[axis] = x[axis] - period[axis] * wp.round(x[axis] / period[axis])
-        return x
+    displacement = displacement_function(types)
 
     @types.kernel(METHOD)
     def locate(
@@ -109,7 +102,7 @@ def list_kernels(types: NumericTypes) -> SimpleNamespace:
             for j in wp.hash_grid_query(grid, points[i], real(1.0)):
                 if i >= walls or j >= walls:
                     # most of what a query gives is too far away, so that this is asked before the rest
-                    x_ij = apart(x_i, x[j], period)
+                    x_ij = displacement(x_i, x[j], period)
                     if wp.dot(x_ij, x_ij) < reach * reach and j != i and lost[j] == 0:
                         if n < listed_out.shape[1]:
                             listed_out[i, n] = j
@@ -123,7 +116,7 @@ def list_kernels(types: NumericTypes) -> SimpleNamespace:
         if i == 0:
             stale_out[0] = 0
 
-    return SimpleNamespace(apart=apart, locate=locate, search=search)
+    return SimpleNamespace(locate=locate, search=search)
 
 
 class NeighbourLists:

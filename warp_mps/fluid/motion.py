@@ -22,9 +22,10 @@ from types import SimpleNamespace
 
 import warp as wp
 
+from warp_mps.core.periodic import displacement_function
 from warp_mps.core.types import NumericTypes
-from warp_mps.fluid.lists import METHOD, list_kernels
-from warp_mps.fluid.pressure import pressure_kernels
+from warp_mps.core.weights import weight_function
+from warp_mps.fluid.lists import METHOD
 
 # distances below which particles collide [l0], the second of what is kept apart otherwise; coefficient of restitution
 COLLISION, KEPT_APART, RESTITUTION = 0.8, 0.5, 0.2
@@ -39,7 +40,7 @@ def motion_kernels(types: NumericTypes) -> SimpleNamespace:
     """The kernels of the motion, in the order of a step from `mirror` to `finish`, and `fastest`, `plan` and `tick`."""
     real, vec, d = types.real, types.vec, types.dimension
     vec64 = wp.types.vector(length=d, dtype=wp.float64)
-    apart, weight = list_kernels(types).apart, pressure_kernels(types).weight
+    displacement, weight = displacement_function(types), weight_function(types)
 
     @types.func(METHOD)
     def bounce(x_ij: vec, u_ij: vec, reach: real) -> vec:
@@ -81,7 +82,7 @@ def motion_kernels(types: NumericTypes) -> SimpleNamespace:
         if sticks[j] == 1:
             for m in range(count[j]):
                 i = listed[j, m]
-                w = real(1 - lost[i]) * weight(wp.length(apart(x[i], x[j], period)), radius)
+                w = real(1 - lost[i]) * weight(wp.length(displacement(x[i], x[j], period)), radius)
                 total += w * (u_j - u[i])
                 weights += w
         if weights > real(0.0):
@@ -119,7 +120,7 @@ def motion_kernels(types: NumericTypes) -> SimpleNamespace:
                 u_j = u[j]
                 if j < walls:
                     u_j = mirrored[j]
-                total += weight(wp.length(apart(x_i, x[j], period)), radius) * (u_j - u_i)
+                total += weight(wp.length(displacement(x_i, x[j], period)), radius) * (u_j - u_i)
         acceleration_out[i] = factor * total
 
     @types.kernel(METHOD)
@@ -192,7 +193,7 @@ def motion_kernels(types: NumericTypes) -> SimpleNamespace:
         du = vec()
         for m in range(count[i]):
             j = listed[i, m]
-            x_ij = apart(x_i, x[j], period)
+            x_ij = displacement(x_i, x[j], period)
             if j < walls:
                 du += firmness[j] * bounce(x_ij, u[j] - u_i, real(COLLISION) * spacing)
             else:
@@ -224,7 +225,7 @@ def motion_kernels(types: NumericTypes) -> SimpleNamespace:
         inside = surface[k] == 0
         for m in range(count[i]):
             j = listed[i, m]
-            x_ij = apart(x_i, x[j], period)
+            x_ij = displacement(x_i, x[j], period)
             square = wp.dot(x_ij, x_ij)
             if square < radius * radius:
                 r = wp.max(wp.sqrt(square), real(CLOSEST) * spacing)
@@ -261,7 +262,7 @@ def motion_kernels(types: NumericTypes) -> SimpleNamespace:
         total = vec()
         for m in range(count[j]):
             i = listed[j, m]
-            total += bounce(apart(x[i], x[j], period), u[j] - u[i], real(COLLISION) * spacing)
+            total += bounce(displacement(x[i], x[j], period), u[j] - u[i], real(COLLISION) * spacing)
         gained = -wp.float64(mass) * wp.float64(firmness[j]) * vec64(total)
         impulse[j] = impulse[j] + gained
         work[j] = work[j] - wp.dot(gained, vec64(u[j]))

@@ -26,8 +26,9 @@ from types import SimpleNamespace
 
 import warp as wp
 
+from warp_mps.core.periodic import displacement_function
 from warp_mps.core.types import NumericTypes
-from warp_mps.fluid.lists import METHOD, list_kernels
+from warp_mps.fluid.lists import METHOD
 
 # in spacings: how far a wall's particles may lie before its face, and the least distance from it that is believed
 FLATNESS, LEAST_DEPTH = 0.3, 0.25
@@ -46,7 +47,7 @@ LEAST_SPREAD = 0.1
 def plane_kernels(types: NumericTypes) -> SimpleNamespace:
     """The kernel `find_planes`, and the functions `mirrored`, `spread` and `strain_beyond`."""
     real, vec, mat, d = types.real, types.vec, types.mat, types.dimension
-    apart = list_kernels(types).apart
+    displacement = displacement_function(types)
 
     @types.func(METHOD)
     def mirrored(square: real, normal_i: vec, normal_j: vec, depth_i: real, depth_j: real) -> real:
@@ -111,7 +112,7 @@ def plane_kernels(types: NumericTypes) -> SimpleNamespace:
         for m in range(count[i]):
             j = listed[i, m]
             if j < walls:
-                x_ij = apart(x_i, x[j], period)
+                x_ij = displacement(x_i, x[j], period)
                 r = wp.length(x_ij)
                 if r < radius:
                     total += (radius - r) * x_ij
@@ -128,7 +129,7 @@ def plane_kernels(types: NumericTypes) -> SimpleNamespace:
             for m in range(count[i]):
                 j = listed[i, m]
                 if j < walls:
-                    x_ij = apart(x_i, x[j], period)
+                    x_ij = displacement(x_i, x[j], period)
                     if wp.length(x_ij) < radius:
                         above = wp.dot(x_ij, normal) - face
                         if above < -real(FLATNESS) * spacing:

@@ -47,8 +47,10 @@ from types import SimpleNamespace
 
 import warp as wp
 
+from warp_mps.core.periodic import displacement_function
 from warp_mps.core.types import NumericTypes
-from warp_mps.fluid.lists import METHOD, list_kernels
+from warp_mps.core.weights import weight_function
+from warp_mps.fluid.lists import METHOD
 from warp_mps.fluid.planes import plane_kernels
 
 CONSERVATIVE, CORRECTED, KOSHIZUKA_OKA = 0, 1, 2
@@ -74,14 +76,8 @@ LARGEST_SCALE = 0.06
 def pressure_kernels(types: NumericTypes) -> SimpleNamespace:
     """Kernels `assemble`, `least`, `lift`."""
     real, vec, mat = types.real, types.vec, types.mat
-    apart = list_kernels(types).apart
+    displacement, weight = displacement_function(types), weight_function(types)
     mirrored, strain_beyond = plane_kernels(types).mirrored, plane_kernels(types).strain_beyond
-
-    @types.func(METHOD)
-    def weight(r: real, radius: real) -> real:
-        """w(r) = r_e/r - 1 (Koshizuka & Oka 1996)."""
-        # two particles in one place must not make a number that is none
-        return wp.max(radius / wp.max(r, real(1.0e-6) * radius) - real(1.0), real(0.0))
 
     @types.func(METHOD)
     def slope(scheme: wp.int32, r: real, radius: real) -> real:
@@ -169,7 +165,7 @@ def pressure_kernels(types: NumericTypes) -> SimpleNamespace:
         wall_strain = mat()
         for m in range(count[i]):
             j = listed[i, m]
-            x_ij = apart(x_i, x[j], period)
+            x_ij = displacement(x_i, x[j], period)
             square = wp.dot(x_ij, x_ij)
             if square < radius * radius:
                 r = wp.max(wp.sqrt(square), real(CLOSEST) * spacing)
@@ -263,4 +259,4 @@ def pressure_kernels(types: NumericTypes) -> SimpleNamespace:
         elif clip == 1:
             p_out[k] = wp.max(p_out[k], wp.float64(0.0))
 
-    return SimpleNamespace(weight=weight, slope=slope, assemble=assemble, least=least, lift=lift)
+    return SimpleNamespace(slope=slope, assemble=assemble, least=least, lift=lift)

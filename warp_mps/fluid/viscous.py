@@ -12,9 +12,10 @@ from typing import Any
 import warp as wp
 
 from warp_mps.core.linear.conjugate_gradient import ConjugateGradient, Matrix
+from warp_mps.core.periodic import displacement_function
 from warp_mps.core.types import NumericTypes
-from warp_mps.fluid.lists import METHOD, list_kernels
-from warp_mps.fluid.pressure import pressure_kernels
+from warp_mps.core.weights import weight_function
+from warp_mps.fluid.lists import METHOD
 
 TOLERANCE, MAX_ITERATIONS = 1e-6, 1000
 
@@ -23,7 +24,7 @@ TOLERANCE, MAX_ITERATIONS = 1e-6, 1000
 def viscous_kernels(types: NumericTypes) -> SimpleNamespace:
     """Kernels `rows` and `join`."""
     real, vec, d = types.real, types.vec, types.dimension
-    apart, weight = list_kernels(types).apart, pressure_kernels(types).weight
+    displacement, weight = displacement_function(types), weight_function(types)
 
     @types.kernel(METHOD)
     def rows(
@@ -63,7 +64,7 @@ def viscous_kernels(types: NumericTypes) -> SimpleNamespace:
         rhs = u[i] + h * gravity
         for m in range(count[i]):
             j = listed[i, m]
-            r = wp.length(apart(x_i, x[j], period))
+            r = wp.length(displacement(x_i, x[j], period))
             if r < radius and sticks[j] == 1 and lost[j] == 0:
                 c = h * factor * weight(r, radius)
                 diagonal += c

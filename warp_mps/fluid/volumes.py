@@ -20,9 +20,11 @@ from types import SimpleNamespace
 
 import warp as wp
 
+from warp_mps.core.periodic import displacement_function
 from warp_mps.core.types import NumericTypes
-from warp_mps.fluid.lists import METHOD, list_kernels
-from warp_mps.fluid.pressure import CLOSEST, SURFACE_DENSITY, SURFACE_NEIGHBOURS, pressure_kernels
+from warp_mps.core.weights import weight_function
+from warp_mps.fluid.lists import METHOD
+from warp_mps.fluid.pressure import CLOSEST, SURFACE_DENSITY, SURFACE_NEIGHBOURS
 
 # below this share of a full lattice's smooth density a particle has air beside it
 AIR = 0.9
@@ -32,7 +34,7 @@ AIR = 0.9
 def volume_kernels(types: NumericTypes) -> SimpleNamespace:
     """The kernel `take_up`."""
     real, vec = types.real, types.vec
-    apart, weight = list_kernels(types).apart, pressure_kernels(types).weight
+    displacement, weight = displacement_function(types), weight_function(types)
 
     @types.func(METHOD)
     def smooth(r: real, radius: real) -> real:
@@ -67,7 +69,7 @@ def volume_kernels(types: NumericTypes) -> SimpleNamespace:
         s = real(1.0)
         near = wp.int32(0)
         for m in range(count[i]):
-            r = wp.length(apart(x[i], x[listed[i, m]], period))
+            r = wp.length(displacement(x[i], x[listed[i, m]], period))
             if r < radius:
                 n += weight(wp.max(r, real(CLOSEST) * spacing), radius)
                 s += smooth(r, radius)
