@@ -1,4 +1,4 @@
-"""The package as a whole: its public names and the README's first simulation."""
+"""The package as a whole: its public names, and the first simulations of the README and the documentation."""
 
 from __future__ import annotations
 
@@ -9,7 +9,12 @@ import pytest
 
 import warp_mps
 
-README = Path(__file__).resolve().parent.parent / "README.md"
+ROOT = Path(__file__).resolve().parent.parent
+
+
+def python_blocks(path: str) -> list[str]:
+    """The Python code in a Markdown file."""
+    return re.findall(r"```python\n(.*?)```", (ROOT / path).read_text(encoding="utf-8"), re.DOTALL)
 
 
 @pytest.mark.parametrize("name", warp_mps.__all__)
@@ -22,21 +27,28 @@ def test_what_is_not_public_is_an_attribute_error() -> None:
         _ = warp_mps.nothing
 
 
-@pytest.mark.parametrize(("number", "folder"), [(0, "first"), (1, "dam"), (2, "flap"), (3, "baffle")])
+@pytest.mark.parametrize(("number", "folder"), [(0, "first"), (1, "dam"), (2, "flap")])
 def test_the_first_simulations_of_the_readme_run(
     number: int, folder: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    blocks = re.findall(r"```python\n(.*?)```", README.read_text(encoding="utf-8"), re.DOTALL)
+    blocks = python_blocks("README.md")
     code = blocks[number]
-    if folder == "baffle":  # with what moves: longer, and run for a moment
-        code = code.replace("duration=1.0", "duration=0.05")
-    else:
-        assert len([line for line in code.splitlines() if line.strip()]) <= 9
+    assert len([line for line in code.splitlines() if line.strip()]) <= 9
     monkeypatch.chdir(tmp_path)
     scope: dict = {}
-    if folder == "flap":  # goes on from the one before
+    if folder == "flap":  # continues the script before it
         exec(re.sub(r"summary = .*", "", blocks[number - 1]), scope)
     exec(code, scope)
     assert scope["summary"].status == "done"
     assert scope["summary"].case == folder
     assert Path(f"runs/{folder}/run.usdc").exists()
+
+
+def test_the_moving_tank_of_the_first_steps_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (code,) = python_blocks("docs/first-steps.md")
+    assert "duration=1.0" in code
+    monkeypatch.chdir(tmp_path)
+    scope: dict = {}
+    exec(code.replace("duration=1.0", "duration=0.05"), scope)
+    assert scope["summary"].status == "done"
+    assert Path("runs/baffle/run.usdc").exists()
