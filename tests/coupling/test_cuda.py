@@ -8,9 +8,9 @@ import pytest
 import warp as wp
 
 from warp_mps.core.types import PRECISIONS, numeric_types
-from warp_mps.coupling.exchange import METHOD, coupling_kernels
 from warp_mps.coupling.hydroelastic import declare_kernels
-from warp_mps.coupling.marker_kernels import marker_kernels
+from warp_mps.coupling.interface_kernels import marker_kernels
+from warp_mps.coupling.robin_kernels import METHOD, coupling_kernels
 
 
 @pytest.mark.parametrize("precision", PRECISIONS)

@@ -132,7 +132,7 @@ def test_bodies_hold_the_work_that_the_water_has_done_on_them(way: dict) -> None
     system = coupled(simulation)
     start = system.solid.energy()
     simulation.advance(10)
-    now, given = system.solid.energy(), sum(float(work.numpy().sum()) for work in system.water.works)
+    now, given = system.solid.energy(), sum(float(work.numpy().sum()) for work in system.step.works)
     # implicit steps count it as work from outside
     outside = now.work if system.implicit else given
     gained = now.total + now.dissipated - start.total
@@ -151,7 +151,7 @@ def test_collisions_are_no_work_from_outside() -> None:
     scene = Scene(bodies=(post,), supports=(foot,), fluids=(water,), walls=(floor,), **fields)
     simulation = Simulation(scene)
     simulation.advance(10)
-    works = [float(work.numpy().sum()) for work in coupled(simulation).water.works]
+    works = [float(work.numpy().sum()) for work in coupled(simulation).step.works]
     assert abs(works[1]) > 1e-3
     assert simulation.energy.work == pytest.approx(0.0, abs=1e-9 * sum(map(abs, works)))
 

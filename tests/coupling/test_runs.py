@@ -12,7 +12,7 @@ from tests.bits import assert_restored_goes_on, assert_same_bits, states
 from tests.coupling.scenes import EXPLICIT, IMPLICIT, RUBBING, WAYS, afloat, busy, hung
 from tests.fluid.scenes import KINDS, L0
 from warp_mps.coupling import mobility
-from warp_mps.fluid import fluids as fluids_module
+from warp_mps.fluid import time_loop
 from warp_mps.results.history import read_history
 from warp_mps.run.run import run_scene
 from warp_mps.run.simulation import Simulation
@@ -37,7 +37,7 @@ def test_graphs_and_kernels_give_the_same_bits_and_the_same_run_twice(
 @pytest.mark.parametrize("way", ALL_WAYS)
 def test_a_restored_run_goes_on_to_the_same_bits(way: dict, monkeypatch: pytest.MonkeyPatch) -> None:
     """While particles are sorted, steps change their length, and mobilities are measured anew."""
-    monkeypatch.setattr(fluids_module, "SORT_EVERY", 25)
+    monkeypatch.setattr(time_loop, "SORT_EVERY", 25)
     monkeypatch.setattr(mobility, "STEPS", 15)
     scene = busy(**way)
     for first, rest in ((1, 4), (8, 6)):
@@ -57,7 +57,7 @@ def test_a_run_in_two_parts_is_the_run_in_one(
     way: dict, first: float, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """In files; also where the first part ends between two frames."""
-    monkeypatch.setattr(fluids_module, "SORT_EVERY", 25)
+    monkeypatch.setattr(time_loop, "SORT_EVERY", 25)
     probes = (
         Probe(name="light", body="light", quantity="displacement", path="light"),
         Probe(name="push", body="light", quantity="contact_force"),

@@ -20,7 +20,7 @@ BOTH = [*WAYS, {"integrator": "explicit", "contact": Contact(between="bodies", f
 def push(system: Hydroelastic, force: np.ndarray | float) -> None:
     """Set the forces of the water on the elastic particles."""
     values = np.zeros(system.structure.external.numpy().shape)
-    values[: system._elastic] = force
+    values[: system.particles.elastic] = force
     system.structure.external.assign(values)
 
 
@@ -32,7 +32,7 @@ def test_every_try_of_a_step_begins_with_the_same_state(way: dict, dimension: in
     for graphs in (True, False):
         system = system_of(hung(dimension, damping=1.0, **way), precision=precision, graphs=graphs)
         structure, rng = system.structure, np.random.default_rng(0)
-        force = rng.normal(size=(system._elastic, dimension))
+        force = rng.normal(size=(system.particles.elastic, dimension))
         for step in range(1, 4):
             dt, left = structure.fit(2e-3, 1.0)
             structure.save()
@@ -61,17 +61,17 @@ def test_a_free_body_gains_the_impulse_of_its_forces(way: dict, dimension: int) 
     """And its weight's, to rounding, though it is deformed; a step that was tried before leaves nothing."""
     system = system_of(afloat(dimension=dimension, **way))
     structure, rng, time = system.structure, np.random.default_rng(1), 0.0
-    masses = system._particles.masses[: system._elastic]
+    masses = system.particles.masses[: system.particles.elastic]
     for step in range(4):
-        force = rng.normal(size=(system._elastic, dimension))
+        force = rng.normal(size=(system.particles.elastic, dimension))
         dt, _ = structure.fit(2e-3 * (1.0 + 0.3 * step), 1.0)
-        before = masses @ structure.solid.velocities()[: system._elastic]
+        before = masses @ structure.solid.velocities()[: system.particles.elastic]
         structure.save()
         for tried in (5.0 * rng.normal(size=force.shape), force):
             push(system, tried)
             structure.advance(time + dt)
         time += dt
-        gained = masses @ structure.solid.velocities()[: system._elastic] - before
+        gained = masses @ structure.solid.velocities()[: system.particles.elastic] - before
         gravity = masses.sum() * np.array([0.0, -9.81, 0.0][:dimension])
         expected = dt * (force.sum(axis=0) + gravity)
         near = 1e-11 if way["integrator"] == "explicit" else 1e-7
@@ -97,12 +97,12 @@ def test_substeps_divide_a_step() -> None:
             assert (rest == 0) == (left == 1)
         assert steps <= interval
     for count in (1, 2, 3, 7, 20):
-        structure._count = count
+        structure.fit(count * structure.dt, count * structure.dt)
         structure.save()
         u = structure.solid.state.u.numpy().copy()
         structure.advance(0.0)
         one = structure.solid.state.u.numpy().copy()
-        structure._replay("begin", structure._begin)
+        structure.restore()
         np.testing.assert_array_equal(structure.solid.state.u.numpy(), u)
         for _ in range(count):
             structure.solid.step()
@@ -116,7 +116,7 @@ def test_arrays_bring_back_what_is_shown(way: dict) -> None:
     structure = system.structure
     dt, _ = structure.fit(2e-3, 1.0)
     structure.save()
-    push(system, np.random.default_rng(0).normal(size=(system._elastic, 2)))
+    push(system, np.random.default_rng(0).normal(size=(system.particles.elastic, 2)))
     structure.advance(dt)
     other.structure.assign(structure.arrays())
     shown: list[Any] = [[made.solid.internal_forces(), made.solid.reactions()] for made in (system, other)]

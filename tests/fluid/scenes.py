@@ -115,7 +115,7 @@ def stir(fluids: Fluids, *, amount: float = 0.05, speed: float = 0.3, seed: int 
     u[w:] = speed * rng.uniform(-1.0, 1.0, u[w:].shape)
     fluids.state.x.assign(x)
     fluids.state.u.assign(u)
-    fluids.lists.renew(fluids.state.x, fluids.state.lost)
+    fluids.step.renew_neighbours()
 
 
 def wall_count(fluids: Fluids) -> int:
@@ -134,10 +134,10 @@ def apart(x: np.ndarray, period: np.ndarray) -> np.ndarray:
 def pairs(fluids: Fluids) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """x_ij, r (1 on the diagonal) and w of all particles with each other, 0 between walls, shape [n, n, ...]."""
     x, w = fluids.state.x.numpy().astype(float), wall_count(fluids)
-    gap = apart(x, np.array(fluids.lists.period))
+    gap = apart(x, np.array(fluids.step.neighbours.period))
     r = np.linalg.norm(gap, axis=2)
     np.fill_diagonal(r, 1.0)
-    weights = np.where(r < fluids.operators.radius, fluids.operators.radius / r - 1.0, 0.0)
+    weights = np.where(r < fluids.model.operators.radius, fluids.model.operators.radius / r - 1.0, 0.0)
     np.fill_diagonal(weights, 0.0)
     weights[:w, :w] = 0.0
     return gap, r, weights
@@ -145,16 +145,16 @@ def pairs(fluids: Fluids) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 def slopes(fluids: Fluids, r: np.ndarray, weights: np.ndarray) -> np.ndarray:
     """The pair weights of the gradient with its factor, c, of distances and weights that `pairs` gave."""
-    ops = fluids.operators
-    if SCHEMES[fluids._scheme] == "koshizuka_oka":
+    ops = fluids.model.operators
+    if SCHEMES[fluids.model.scheme] == "koshizuka_oka":
         return ops.original_gradient * weights / r**2
     return np.where(weights > 0.0, ops.gradient * (1.0 - r / ops.radius) ** 3 / ops.radius**2, 0.0)
 
 
 def images(fluids: Fluids, gap: np.ndarray, r: np.ndarray) -> np.ndarray:
     """Weights w of mirror images, of the planes that the fluids have found, shape [m, m]; `gap` and `r` of `pairs`."""
-    w, radius = wall_count(fluids), fluids.operators.radius
-    normal, depth = fluids._normal.numpy().astype(float), fluids._depth.numpy().astype(float)
+    w, radius = wall_count(fluids), fluids.model.operators.radius
+    normal, depth = fluids.step.pressure.normal.numpy().astype(float), fluids.step.pressure.depth.numpy().astype(float)
     near = (gap[w:, w:] ** 2).sum(axis=2) < radius**2
     same = (depth[:, None] > 0.0) & (depth > 0.0) & (normal @ normal.T >= SAME_FACE)
     away = np.sqrt(r[w:, w:] ** 2 + 4.0 * depth[:, None] * depth)

@@ -15,7 +15,7 @@ RHO, G = 1000.0, 9.81
 
 def pushed_so_far(fluids: Fluids, end: float, interval: float) -> np.ndarray:
     """Impulse on the walls up to a time, all intervals together [N s/m]."""
-    total = np.zeros(fluids.positions().shape[1])
+    total = np.zeros(fluids.readings.positions().shape[1])
 
     def add(_: float) -> None:
         total[:] += interval * fluids.contact_forces().sum(axis=0)
@@ -37,11 +37,11 @@ def test_water_that_fills_a_tank_stays_at_rest(dimension: int, precision: str, s
     fluids = fluids_of(tank(small(dimension), lid=True, flow=flow, fluid=still, time_step=dt), precision=precision)
     assert fluids.advance(dt) == 1
     w = walls_of(fluids)
-    y = fluids.positions()[w:, 1]
+    y = fluids.readings.positions()[w:, 1]
     expected = RHO * G * (y.max() - y)
     np.testing.assert_allclose(fluids.pressures()[w:], expected, atol=1e-3 * expected.max())
     # under the lid pressures change their sign, and with it the form of the pair forces
-    below = y < y.max() - fluids.operators.radius
+    below = y < y.max() - fluids.model.operators.radius
     assert below.any()
     gained = fluids.velocities()[w:][below] / (G * dt)
     np.testing.assert_allclose(gained, 0.0, atol=1e-3 if double else 1e-2)
@@ -58,7 +58,7 @@ def test_a_tank_of_water_comes_to_rest_under_its_own_weight(scheme: str) -> None
     def look(t: float) -> None:
         if t < 0.6:
             return
-        x, p = fluids.positions(), fluids.pressures()
+        x, p = fluids.readings.positions(), fluids.pressures()
         errors.append(p[w:] - RHO * G * (depth - x[w:, 1]))
         under = (np.abs(x[:w, 1] + 0.5 * L0) < 1e-9) & (x[:w, 0] > 0.0) & (x[:w, 0] < depth)
         bottom.append(p[:w][under].mean() / (RHO * G * (depth + 0.5 * L0)))
@@ -68,10 +68,10 @@ def test_a_tank_of_water_comes_to_rest_under_its_own_weight(scheme: str) -> None
     assert np.sqrt(np.mean(np.square(errors))) < 0.03 * RHO * G * depth
     assert np.mean(bottom) == pytest.approx(1.0, abs=0.03)
     np.testing.assert_allclose(np.mean(loads, axis=0), [0.0, -1.0], atol=0.03)
-    x, u = fluids.positions()[w:], fluids.velocities()[w:]
+    x, u = fluids.readings.positions()[w:], fluids.velocities()[w:]
     assert abs(x[:, 1].mean() - 0.5 * depth) < 0.5 * L0
     assert np.mean(u**2) < 2e-3 * G * depth
-    assert fluids.lost() == 0
+    assert fluids.readings.lost() == 0
 
 
 @pytest.mark.parametrize("scheme", SCHEMES)
@@ -85,14 +85,14 @@ def test_water_falls_freely(dimension: int, precision: str, scheme: str) -> None
     )
     scene = scene_of(block, dimension=dimension, gravity=gravity, flow=Flow(scheme=scheme), time_step=1e-3)
     fluids = fluids_of(scene, precision=precision)
-    start = fluids.positions()
+    start = fluids.readings.positions()
     end, steps = 0.1, fluids.advance(0.1)
     near = 1e-12 if precision == "float64" else 2e-5
     velocity, drop = np.array([0.3, 0.2, -0.1])[:dimension], np.array(gravity) * end
     np.testing.assert_allclose(fluids.velocities(), np.broadcast_to(velocity + drop, start.shape), atol=near)
     # u first, then x with it: half a step ahead of the parabola
     path = velocity * end + 0.5 * drop * end * (1.0 + 1.0 / steps)
-    np.testing.assert_allclose(fluids.positions() - start, np.broadcast_to(path, start.shape), atol=near)
+    np.testing.assert_allclose(fluids.readings.positions() - start, np.broadcast_to(path, start.shape), atol=near)
     np.testing.assert_allclose(fluids.pressures(), 0.0, atol=near * RHO * G * L0)
 
 
@@ -104,7 +104,7 @@ def test_water_that_falls_through_periods_keeps_its_energy(precision: str) -> No
     fluids = fluids_of(scene_of(block, gravity=(0.0, -G), flow=flow, time_step=dt), precision=precision)
     start, lost = fluids.energy().balance, []
     until(fluids, 0.6, 0.05, lambda _: lost.append(start - fluids.energy().balance))
-    y = fluids.positions()[:, 1]
+    y = fluids.readings.positions()[:, 1]
     assert (y >= -0.2).all()
     assert (y <= 0.2).all()
     assert fluids.energy().kinetic == pytest.approx(0.5 * mass * (G * 0.6 - 0.3) ** 2, rel=1e-4)
@@ -153,7 +153,7 @@ def test_a_dam_breaks(scheme: str, growth: float) -> None:
     impulse = np.zeros(2)
 
     def look(_: float) -> None:
-        x = fluids.positions()[w:]
+        x = fluids.readings.positions()[w:]
         energy = fluids.energy()
         energies.append(energy.kinetic + energy.potential - energy.work)
         outside.append((x[:, 0] < 0.0) | (x[:, 1] < 0.0) | (x[:, 0] > 4 * a * L0))
@@ -162,7 +162,7 @@ def test_a_dam_breaks(scheme: str, growth: float) -> None:
 
     until(fluids, 0.6, 0.02, look)
     assert not np.any(outside)
-    assert fluids.lost() == 0
+    assert fluids.readings.lost() == 0
     assert fluids.trouble() is None
     # the front of Koshizuka & Oka's column is at 2 a after 1.6 to 1.8 sqrt(a/(2 g)), at the far wall before 3.6
     unit = np.sqrt(L0 * a / (2.0 * G))
@@ -185,4 +185,4 @@ def test_the_original_scheme_keeps_deep_water_together() -> None:
     w, speeds = walls_of(fluids), []
     until(fluids, 1.0, 0.05, lambda _: speeds.append(np.abs(fluids.velocities()[w:]).max()))
     assert max(speeds) < 0.25 * np.sqrt(G * n * L0)
-    assert np.ptp(fluids.positions()[w:, 1]) == pytest.approx((n - 1) * L0, abs=L0)
+    assert np.ptp(fluids.readings.positions()[w:, 1]) == pytest.approx((n - 1) * L0, abs=L0)

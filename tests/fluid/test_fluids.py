@@ -8,7 +8,7 @@ import pytest
 from tests.bits import assert_same_bits, states
 from tests.fluid.scenes import L0, SCHEMES, fluids_of, scene_of, tank, wall_count, water
 from warp_mps.errors import InputError, RunError
-from warp_mps.fluid import fluids as fluids_module
+from warp_mps.fluid import time_loop
 from warp_mps.observers.base import View
 from warp_mps.observers.guard import Guard
 from warp_mps.run.simulation import Simulation
@@ -39,7 +39,7 @@ def test_a_restored_run_continues_to_the_same_bits(
     dimension: int, precision: str, scheme: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """While the particles are sorted every few intervals, and lists are not fresh."""
-    monkeypatch.setattr(fluids_module, "SORT_EVERY", 25)
+    monkeypatch.setattr(time_loop, "SORT_EVERY", 25)
     scene = splash(dimension, scheme=scheme)
     simulation = Simulation(scene, precision=precision)
     simulation.advance(9)
@@ -92,7 +92,7 @@ def test_a_restored_run_that_loses_particles_continues_to_the_same_bits() -> Non
     for k in range(30):
         saved = simulation.state_arrays()
         simulation.advance(1)
-        lost.append(simulation.fluids.lost())
+        lost.append(simulation.fluids.readings.lost())
         if k > 0 and lost[-1] > lost[-2] and int(simulation.state_arrays()["stale"][0]):
             break
     assert lost[-1] > 0
@@ -108,7 +108,7 @@ def test_what_is_shown_is_in_the_order_of_the_particles(monkeypatch: pytest.Monk
     """Whatever order they are computed in: a run that sorts stays, for a time, near one that does not."""
     never = Simulation(splash(2))
     never.advance(6)
-    monkeypatch.setattr(fluids_module, "SORT_EVERY", 5)
+    monkeypatch.setattr(time_loop, "SORT_EVERY", 5)
     sorts = Simulation(splash(2))
     sorts.advance(6)
     order = sorts.state_arrays()["order"]
@@ -125,7 +125,7 @@ def test_what_is_shown_is_in_the_order_of_the_particles(monkeypatch: pytest.Monk
 
 
 def test_sorted_particles_are_near_in_memory(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(fluids_module, "SORT_EVERY", 5)
+    monkeypatch.setattr(time_loop, "SORT_EVERY", 5)
     simulation = Simulation(splash(2))
     rng = np.random.default_rng(0)
     state = simulation.fluids.state
@@ -136,7 +136,7 @@ def test_sorted_particles_are_near_in_memory(monkeypatch: pytest.MonkeyPatch) ->
         values[w:] = values[w:][new]
         array.assign(values)
     state.order.assign(state.order.numpy()[new])
-    simulation.fluids.lists.renew(state.x, state.lost)
+    simulation.fluids.step.neighbours.renew(state.x, state.lost)
     apart = [np.linalg.norm(np.diff(state.x.numpy()[w:], axis=0), axis=1).mean()]
     simulation.advance(2)
     apart.append(np.linalg.norm(np.diff(state.x.numpy()[w:], axis=0), axis=1).mean())
@@ -183,7 +183,7 @@ def test_water_that_collapses_into_a_point_ends_the_run() -> None:
     x = state.x.numpy().copy()
     x[:] = [0.1, 0.3] + 0.01 * x
     state.x.assign(x)
-    simulation.fluids.lists.renew(state.x, state.lost)
+    simulation.fluids.step.neighbours.renew(state.x, state.lost)
     with pytest.raises(RunError, match=r"^at t = .* s: more .* about particle .* at \(.*, .*\) m than a"):
         simulation.run()
 
@@ -197,7 +197,7 @@ def clustered(*, graphs: bool = True, viscosity: float = 0.0) -> Simulation:
     middle = np.argsort(np.linalg.norm(x[w:] - 6 * L0, axis=1))[:90] + w
     x[middle] = 6 * L0 + 0.15 * (x[middle] - 6 * L0)
     fluids.state.x.assign(x)
-    fluids.lists.renew(fluids.state.x, fluids.state.lost)
+    fluids.step.renew_neighbours()
     return simulation
 
 
@@ -205,16 +205,16 @@ def clustered(*, graphs: bool = True, viscosity: float = 0.0) -> Simulation:
 def test_lists_grow_where_particles_crowd(viscosity: float) -> None:
     """Graphs are captured anew, implicit viscosity has its rows, and a run that is restored gets the same room."""
     runs = [clustered(viscosity=viscosity), clustered(viscosity=viscosity, graphs=False)]
-    room = runs[0].fluids.lists.listed.shape[1]
-    assert runs[0].fluids.lists.overflowed() is not None
+    room = runs[0].fluids.step.neighbours.listed.shape[1]
+    assert runs[0].fluids.step.neighbours.overflowed() is not None
     for run in runs:
         run.advance(1)
     restored = clustered(viscosity=viscosity)
     restored.restore(runs[0].state_arrays())
     for run in (*runs, restored):
         run.advance(2)
-        assert run.fluids.lists.listed.shape[1] > room
-        assert run.fluids.lists.overflowed() is None
+        assert run.fluids.step.neighbours.listed.shape[1] > room
+        assert run.fluids.step.neighbours.overflowed() is None
         assert run.fluids.trouble() is None
     for other in (runs[1], restored):
         for name in ("positions", "velocities", "pressures", "volumes"):
@@ -225,12 +225,12 @@ def test_lists_grow_where_particles_crowd(viscosity: float) -> None:
 def test_lists_have_room_for_the_crowds_of_a_dam_break(dimension: int) -> None:
     cells, room = ((12, 24), (36, 26)) if dimension == 2 else ((6, 12, 6), (18, 14, 6))
     fluids = fluids_of(tank(cells, room=room))
-    room_first, full, most = fluids.lists.listed.shape[1], fluids.lists.count.numpy().max(), 0
+    room_first, full, most = fluids.step.neighbours.listed.shape[1], fluids.step.neighbours.count.numpy().max(), 0
     for _ in range(30):
-        fluids.advance(fluids.time + 10 * fluids.step_limit)
-        most = max(most, fluids.lists.count.numpy().max())
+        fluids.advance(fluids.time + 10 * fluids.model.step_limit)
+        most = max(most, fluids.step.neighbours.count.numpy().max())
     assert most > 1.04 * full
-    assert fluids.lists.listed.shape[1] == room_first
+    assert fluids.step.neighbours.listed.shape[1] == room_first
 
 
 @pytest.mark.parametrize("graphs", [True, False])
@@ -254,8 +254,8 @@ def test_what_is_fast_has_not_run_away() -> None:
     """Water that is only as fast as a wall, or fast but not by so much."""
     fluids = fluids_of(tank((8, 8)))
     u, w = fluids.state.u.numpy(), wall_count(fluids)
-    usual = Flow().courant * L0 / fluids.step_limit
+    usual = Flow().courant * L0 / fluids.model.step_limit
     for wall, fluid, fled in ((0.0, 900.0, False), (0.0, 1100.0, True), (10.0, 9e3, False), (10.0, 1.1e4, True)):
         u[0, 0], u[w, 0] = wall * usual, fluid * usual
         fluids.state.u.assign(u)
-        assert (fluids.runaway() is not None) == fled
+        assert (fluids.failures.find_runaway() is not None) == fled

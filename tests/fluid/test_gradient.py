@@ -30,28 +30,32 @@ PRESSURE = 1000.0
 
 def find_planes(fluids: Fluids) -> np.ndarray:
     """Let the fluids find the faces of walls beside them; depths, shape [m]."""
-    fluids._find_planes()
-    depth: np.ndarray = fluids._depth.numpy()
+    fluids.step.pressure.find_planes()
+    depth: np.ndarray = fluids.step.pressure.depth.numpy()
     return depth
 
 
 def pushed(fluids: Fluids, p: np.ndarray) -> np.ndarray:
     """Change of the fluid's velocities by pressures over DT, shape [m, d]; nothing collides."""
-    fluids._dt.assign([DT])
+    fluids.step.time_step.dt.assign([DT])
     fluids.state.p.assign(p)
     w = wall_count(fluids)
     before = fluids.state.u.numpy().astype(float)[w:]
-    fluids._find_slopes()
-    fluids._push()
-    fluids._collide()
-    fluids._finish()
-    assert not fluids._du.numpy().any()
+    fluids.step.forces.find_slopes()
+    fluids.step.correct()
+    fluids.step.collide()
+    fluids.step.advance_clock()
+    assert not fluids.step.velocity_change.numpy().any()
     return fluids.state.u.numpy().astype(float)[w:] - before
 
 
 def along(fluids: Fluids, gap: np.ndarray, c: np.ndarray, p: np.ndarray, g: np.ndarray, a: np.ndarray) -> np.ndarray:
     """Slopes along walls of what pressures differ by from those of water at rest, shape [m, d]."""
-    w, normal, depth = wall_count(fluids), fluids._normal.numpy().astype(float), fluids._depth.numpy().astype(float)
+    w, normal, depth = (
+        wall_count(fluids),
+        fluids.step.pressure.normal.numpy().astype(float),
+        fluids.step.pressure.depth.numpy().astype(float),
+    )
     slope = np.zeros_like(normal)
     for k in np.flatnonzero(depth > 0.0):
         tangential = np.eye(gap.shape[2]) - np.outer(normal[k], normal[k])
@@ -64,16 +68,16 @@ def along(fluids: Fluids, gap: np.ndarray, c: np.ndarray, p: np.ndarray, g: np.n
 
 def expected_push(fluids: Fluids, p: np.ndarray, gravity: np.ndarray, a: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Change of the fluid's velocities, and the impulses on the walls, as the module's text has them."""
-    w, scheme = wall_count(fluids), SCHEMES[fluids._scheme]
+    w, scheme = wall_count(fluids), SCHEMES[fluids.model.scheme]
     gap, r, weights = pairs(fluids)
     gap, c = gap[w:], slopes(fluids, r, weights)[w:]
-    scale = fluids._scale.numpy().astype(float)
+    scale = fluids.step.pressure.density_scale.numpy().astype(float)
     scales = np.broadcast_to(np.concatenate((np.zeros(w), scale)), c.shape).copy()
     scales[:, :w] = scale[:, None]
     even = 0.5 * (scales + scale[:, None])
     p_j = np.broadcast_to(np.concatenate((np.zeros(w), p)), weights[w:].shape).copy()
     p_j[:, :w] = p[:, None] + RHO * np.einsum("nmd,md->nm", gap[:, :w], gravity - a[:w])
-    if fluids._clip:
+    if fluids.model.clip:
         p_j[:, :w] = np.maximum(p_j[:, :w], 0.0)
     near = weights[w:, w:] > 0.0
     least = np.minimum(p, np.where(near, p[None, :], np.inf).min(axis=1))
@@ -109,8 +113,8 @@ def test_forces_are_those_of_numpy(dimension: int, precision: str, scheme: str, 
     a = fluids.state.a.numpy().astype(float)
     a[:w] = rng.uniform(-5.0, 5.0, a[:w].shape)
     fluids.state.a.assign(a)
-    p = PRESSURE * rng.uniform(0.0 if fluids._clip else -1.0, 1.0, len(a) - w)
-    fluids._scale.assign(rng.uniform(0.94, 1.06, len(p)))
+    p = PRESSURE * rng.uniform(0.0 if fluids.model.clip else -1.0, 1.0, len(a) - w)
+    fluids.step.pressure.density_scale.assign(rng.uniform(0.94, 1.06, len(p)))
     assert (find_planes(fluids) > 0.0).any() == (scheme == "conservative")
     du, impulse = expected_push(fluids, p, np.asarray(scene.gravity), a)
     near = tolerance(precision, 1e-11, 1e-4)
@@ -150,12 +154,12 @@ def test_the_corrected_gradient_of_a_linear_pressure_is_exact(dimension: int) ->
     w = wall_count(fluids)
     gravity = np.asarray(scene.gravity)
     p = RHO * fluids.state.x.numpy()[w:] @ gravity
-    fluids._dt.assign([1e-9])
+    fluids.step.time_step.dt.assign([1e-9])
     fluids.state.p.assign(p)
     before = fluids.state.u.numpy()[w:].copy()
-    fluids._push()
-    fluids._collide()
-    fluids._finish()
+    fluids.step.correct()
+    fluids.step.collide()
+    fluids.step.advance_clock()
     inside = fluids.state.x.numpy()[w:, 1] < fluids.state.x.numpy()[w:, 1].max() - 0.6 * L0
     du = fluids.state.u.numpy()[w:] - before
     np.testing.assert_allclose(du[inside] / 1e-9, np.broadcast_to(-gravity, du[inside].shape), atol=1e-7)
@@ -172,10 +176,10 @@ def test_two_particles_are_pushed_apart_along_their_line() -> None:
     """By hand, and whatever lies far off."""
     fluids = fluids_of(tank((8, 8)))
     w, x = wall_count(fluids), fluids.state.x.numpy()
-    ops = fluids.operators
+    ops = fluids.model.operators
     x[w], x[w + 1] = [0.1, 0.4], [0.1 + 1.2 * L0, 0.4 + 0.9 * L0]
     fluids.state.x.assign(x)
-    fluids.lists.renew(fluids.state.x, fluids.state.lost)
+    fluids.step.renew_neighbours()
     p = np.zeros(len(fluids.state.p))
     p[0], p[1] = 300.0, 500.0
     du = pushed(fluids, p)[:2]
@@ -191,11 +195,11 @@ def test_the_work_of_a_wall_is_its_impulse_along_its_way() -> None:
     u = fluids.state.u.numpy()
     u[:w] = np.random.default_rng(2).uniform(-1.0, 1.0, (w, 2))
     fluids.state.u.assign(u)
-    fluids._dt.assign([DT])
+    fluids.step.time_step.dt.assign([DT])
     fluids.state.p.assign(np.full(len(fluids.state.p), PRESSURE))
-    fluids._push()
-    fluids._collide()
-    fluids._finish()
+    fluids.step.correct()
+    fluids.step.collide()
+    fluids.step.advance_clock()
     impulse, work = fluids.state.impulse.numpy(), fluids.state.work.numpy()
     assert np.abs(impulse).max() > 0.0
     np.testing.assert_allclose(work, -(impulse * u[:w]).sum(axis=1), atol=1e-12 * np.abs(work).max())
@@ -207,8 +211,10 @@ def test_what_walls_show_is_the_pressure_of_the_water_beside_them() -> None:
     gravity = np.array([0.0, -9.81])
     fluids.state.p.assign(RHO * fluids.state.x.numpy()[w:] @ gravity)
     shown = fluids.pressures()
-    x = fluids.positions()
-    beside = (fluids.lists.count.numpy() > 0) & (np.linalg.norm(x - np.clip(x, 0.0, 8 * L0), axis=1) < 2.0 * L0)
+    x = fluids.readings.positions()
+    beside = (fluids.step.neighbours.count.numpy() > 0) & (
+        np.linalg.norm(x - np.clip(x, 0.0, 8 * L0), axis=1) < 2.0 * L0
+    )
     assert beside[:w].sum() > 40
     np.testing.assert_allclose(shown[beside], RHO * (x @ gravity)[beside], atol=1e-9 * np.abs(shown).max())
 
@@ -217,7 +223,7 @@ def test_walls_above_the_water_show_no_pressure() -> None:
     """And none shows less than 0 where pressures are clipped."""
     fluids = fluids_of(tank((8, 8), room=(8, 16)))
     fluids.state.p.assign(RHO * 9.81 * (8 * L0 - fluids.state.x.numpy()[wall_count(fluids) :, 1]))
-    shown, y = fluids.pressures(), fluids.positions()[:, 1]
+    shown, y = fluids.pressures(), fluids.readings.positions()[:, 1]
     assert shown.min() == 0.0
     beside = shown[: wall_count(fluids)]
     assert beside[y[: wall_count(fluids)] > 10.5 * L0].max() == 0.0

@@ -38,7 +38,7 @@ def still_water(spacing: float, end: float, scheme: str = "conservative") -> dic
     def look(t: float) -> None:
         if t < 0.5 * end:
             return
-        x, p, u = fluids.positions(), fluids.pressures(), fluids.velocities()[w:]
+        x, p, u = fluids.readings.positions(), fluids.pressures(), fluids.velocities()[w:]
         error = p[w:] - RHO * G * (depth - x[w:, 1])
         under = (np.abs(x[:w, 1] + 0.5 * spacing) < 1e-9) & (np.abs(x[:w, 0] - 0.5 * depth) < 0.25 * depth)
         rows.append(
@@ -52,7 +52,7 @@ def still_water(spacing: float, end: float, scheme: str = "conservative") -> dic
         )
 
     until(fluids, end, 0.05, look)
-    assert fluids.lost() == 0
+    assert fluids.readings.lost() == 0
     assert fluids.trouble() is None
     square, floor, force, drift, kinetic = np.mean(rows, axis=0)
     return {"rms": np.sqrt(square), "floor": floor, "force": force, "drift": drift, "kinetic": kinetic}
@@ -74,7 +74,7 @@ def dam_break(seed: int, scheme: str = "conservative", spacing: float = 0.02, en
 
     def look(_: float) -> None:
         nonlocal fastest
-        x = fluids.positions()[w:]
+        x = fluids.readings.positions()[w:]
         below = x[:, 1] < 3.0 * a
         outside[:] |= (x[:, 1] < 0.0) | (below & ((x[:, 0] < 0.0) | (x[:, 0] > 4.0 * a)))
         fastest = max(fastest, float(np.linalg.norm(fluids.velocities()[w:], axis=1).max()))
@@ -85,7 +85,7 @@ def dam_break(seed: int, scheme: str = "conservative", spacing: float = 0.02, en
     scale = RHO * 2.0 * a**2 * G * a
     return {
         "through": int(outside.sum()),
-        "lost": fluids.lost(),
+        "lost": fluids.readings.lost(),
         "growth": float((course - np.minimum.accumulate(course)).max() / scale),
         "fastest": fastest / np.sqrt(2.0 * G * 2.0 * a),
         "unsolved": done.stagnated + done.exhausted,

@@ -36,9 +36,9 @@ def predicted(fluids: Fluids, dt: float = DT) -> np.ndarray:
     """Acceleration of the fluid in the predictor [m/s^2], shape [m, d]."""
     w = wall_count(fluids)
     before = fluids.state.u.numpy().astype(float)[w:]
-    fluids._dt.assign([dt])
-    fluids._slow()
-    fluids._move()
+    fluids.step.time_step.dt.assign([dt])
+    fluids.step.apply_viscosity()
+    fluids.step.predict()
     return (fluids.state.u.numpy().astype(float)[w:] - before) / dt
 
 
@@ -46,11 +46,11 @@ def finished(fluids: Fluids, dt: float = DT) -> np.ndarray:
     """Change of the fluid's velocities in the end of a step without pressure, by collisions, shape [m, d]."""
     w = wall_count(fluids)
     before = fluids.state.u.numpy().astype(float)[w:]
-    fluids._dt.assign([dt])
+    fluids.step.time_step.dt.assign([dt])
     fluids.state.p.zero_()
-    fluids._push()
-    fluids._collide()
-    fluids._finish()
+    fluids.step.correct()
+    fluids.step.collide()
+    fluids.step.advance_clock()
     return fluids.state.u.numpy().astype(float)[w:] - before
 
 
@@ -61,7 +61,7 @@ def put(fluids: Fluids, rows: dict[int, tuple[list[float], list[float]]]) -> Non
         x[w + k], u[w + k] = position, velocity
     fluids.state.x.assign(x)
     fluids.state.u.assign(u)
-    fluids.lists.renew(fluids.state.x, fluids.state.lost)
+    fluids.step.renew_neighbours()
 
 
 @pytest.mark.parametrize("slip", ["free", "no"])
@@ -80,7 +80,7 @@ def test_viscous_forces_are_those_of_numpy(dimension: int, precision: str, slip:
     else:
         near, beside = weights[:w, w:], weights[:w, w:].sum(axis=1) > 0.0
         u[:w][beside] = -(near @ u[w:])[beside] / near.sum(axis=1)[beside, None]
-    factor = NU * fluids.operators.laplacian
+    factor = NU * fluids.model.operators.laplacian
     expected = factor * (weights[w:] @ u - weights[w:].sum(axis=1)[:, None] * u[w:])
     near = tolerance(precision, 1e-9, 1e-3)
     np.testing.assert_allclose(predicted(fluids), expected, atol=near * np.abs(expected).max())
@@ -123,7 +123,7 @@ def channel_error(cells: int) -> float:
     fluids = fluids_of(scene_of(body, walls=walls, gravity=(g, 0.0), flow=flow))
     fluids.advance(end)
     w = wall_count(fluids)
-    y, u = fluids.positions()[w:, 1], fluids.velocities()[w:]
+    y, u = fluids.readings.positions()[w:, 1], fluids.velocities()[w:]
     expected = 0.5 * g / NU * y * (height - y)
     for k in np.pi * np.arange(1, 40, 2) / height:
         expected -= 4.0 * g / (NU * height * k**3) * np.sin(k * y) * np.exp(-(k**2) * NU * end)
@@ -203,12 +203,12 @@ def test_shifts_even_out_the_particles_inside_and_leave_the_surface(dimension: i
     w = wall_count(fluids)
     gap, r, weights = pairs(fluids)
     before = fluids.state.x.numpy()[w:].copy()
-    dense = weights[w:].sum(axis=1) >= 0.97 * fluids.operators.number_density
-    fluids._surface.assign((~dense).astype(np.int32))
-    fluids._way.assign([0.1 * L0])
+    dense = weights[w:].sum(axis=1) >= 0.97 * fluids.model.operators.number_density
+    fluids.step.pressure.surface.assign((~dense).astype(np.int32))
+    fluids.step.time_step.displacement.assign([0.1 * L0])
     finished(fluids)
     moved = fluids.state.x.numpy()[w:] - before
-    slope = np.einsum("nm,nmd->nd", (weights / r)[w:], gap[w:]) / fluids.operators.number_density
+    slope = np.einsum("nm,nmd->nd", (weights / r)[w:], gap[w:]) / fluids.model.operators.number_density
     shift = -SHIFT * 0.1 * L0 * slope
     length = np.linalg.norm(shift, axis=1)[:, None]
     shift *= np.minimum(1.0, LARGEST_SHIFT * L0 / length)
@@ -226,7 +226,7 @@ def test_an_interval_takes_the_steps_that_its_fastest_particle_asks_for(precisio
     flow = Flow(courant=0.25)
     fluids = fluids_of(scene_of(water([0.0, 0.0], [4 * L0, 4 * L0], velocity=(speed, 0.0)), flow=flow))
     limit = 0.25 * L0 / speed if speed else 0.05
-    assert fluids.step_limit == pytest.approx(limit)
+    assert fluids.model.step_limit == pytest.approx(limit)
     for end in (0.1, 0.1 + 1.0 / 3.0):
         before = float(fluids.state.time.numpy()[0])
         assert fluids.advance(end) == np.ceil((end - before) / limit - 1e-6)
@@ -239,9 +239,9 @@ def test_a_wall_that_moves_fast_shortens_the_steps() -> None:
     w, u = wall_count(fluids), fluids.state.u.numpy()
     u[w // 2] = [30.0, 40.0]
     fluids.state.u.assign(u)
-    fluids._target.assign([1.0])
-    fluids._plan()
-    assert fluids._dt.numpy()[0] == pytest.approx(0.2 * L0 / 50.0, rel=1e-3)
+    fluids.step.time_step.set_target(1.0)
+    fluids.step.set_time_step()
+    assert fluids.step.time_step.dt.numpy()[0] == pytest.approx(0.2 * L0 / 50.0, rel=1e-3)
 
 
 def test_a_step_that_is_given_is_kept_below() -> None:
@@ -254,11 +254,11 @@ def test_particles_go_round_a_period(precision: str) -> None:
     """A body of water that fills a periodic box flows through it unhindered."""
     scene = periodic_box((14, 13))
     fluids = fluids_of(scene, precision=precision)
-    start, size = fluids.positions(), np.array([14, 13]) * L0
+    start, size = fluids.readings.positions(), np.array([14, 13]) * L0
     velocity = np.array([1.3, -0.7])
     fluids.state.u.assign(np.broadcast_to(velocity, start.shape))
     fluids.advance(0.5)
-    x = fluids.positions()
+    x = fluids.readings.positions()
     assert (x >= 0.0).all()
     assert (x <= size).all()
     expected = np.mod(start + 0.5 * velocity, size)
@@ -266,7 +266,7 @@ def test_particles_go_round_a_period(precision: str) -> None:
     gap -= size * np.round(gap / size)
     np.testing.assert_allclose(gap, 0.0, atol=tolerance(precision, 1e-12, 1e-4) * size.max())
     np.testing.assert_allclose(fluids.velocities(), np.broadcast_to(velocity, x.shape), rtol=tolerance(precision))
-    assert fluids.lost() == 0
+    assert fluids.readings.lost() == 0
 
 
 def test_what_leaves_the_domain_is_lost_and_stays_where_it_left() -> None:
@@ -275,15 +275,15 @@ def test_what_leaves_the_domain_is_lost_and_stays_where_it_left() -> None:
     fluids = fluids_of(scene_of(water([0.0, 0.0], [8 * L0, 8 * L0], liquid=Liquid(viscosity=0.0)), flow=flow))
     put(fluids, {0: ([0.49, 0.3], [3.0, 0.0]), 1: ([0.47, 0.3], [1.0, 0.0])})
     fluids.advance(0.02)
-    assert fluids.lost() == 1
-    first = fluids.positions()[0]
+    assert fluids.readings.lost() == 1
+    first = fluids.readings.positions()[0]
     assert first[0] > 0.5
     assert not fluids.velocities()[0].any()
     assert re.fullmatch(
         r"1 of 64 fluid particles have left the domain, as particle 0 .*: there is a leak", fluids.trouble() or ""
     )
     fluids.advance(0.025)
-    np.testing.assert_array_equal(fluids.positions()[0], first)
+    np.testing.assert_array_equal(fluids.readings.positions()[0], first)
     assert not fluids.velocities()[0].any()
     # its neighbour went on alone
     np.testing.assert_allclose(fluids.velocities()[1], [1.0, 0.0], atol=1e-12)
@@ -293,17 +293,17 @@ def test_what_leaves_the_domain_is_lost_and_stays_where_it_left() -> None:
 def test_the_pressure_of_the_rest_does_not_move_what_is_lost() -> None:
     """Water whose uppermost row is thrown out of the domain, with the rows below it under pressure."""
     fluids = fluids_of(tank((8, 12), flow=Flow(domain=([-0.5, -0.5], [0.5, 12.0 * L0]))))
-    upper = fluids.positions()[:, 1] > 11.0 * L0
+    upper = fluids.readings.positions()[:, 1] > 11.0 * L0
     upper[: wall_count(fluids)] = False
     u = fluids.velocities()
     u[upper] = [0.0, 5.0]
     fluids.state.u.assign(u)
     fluids.advance(3e-3)
-    assert fluids.lost() == upper.sum() == 8
-    first = fluids.positions()
+    assert fluids.readings.lost() == upper.sum() == 8
+    first = fluids.readings.positions()
     for k in range(4, 30):
         fluids.advance(k * 1e-3)
-        np.testing.assert_array_equal(fluids.positions()[upper], first[upper])
+        np.testing.assert_array_equal(fluids.readings.positions()[upper], first[upper])
         assert not fluids.velocities()[upper].any()
     # as deep as what is left
     pressure = fluids.pressures()[wall_count(fluids) :].max() / (1000.0 * 9.81 * L0)

@@ -65,9 +65,9 @@ def test_a_piston_pushes_the_water_up(dimension: int, precision: str) -> None:
     fluids = fluids_of(scene, precision=precision)
     account, w = Account(fluids), walls_of(fluids)
     account.run(END, 0.02)
-    x = fluids.positions()[w:]
+    x = fluids.readings.positions()[w:]
     assert x[:, 0].min() > length
-    assert fluids.lost() == 0
+    assert fluids.readings.lost() == 0
     assert account.error < (1e-11 if precision == "float64" else 1e-3)
     work = fluids.energy().work
     assert work > 0.0
@@ -87,7 +87,7 @@ def test_a_piston_that_starts_at_once_gives_the_water_its_speed() -> None:
     w = walls_of(fluids)
     account = Account(fluids)
     account.run(0.02, 0.01)
-    x, u = fluids.positions()[w:], fluids.velocities()[w:]
+    x, u = fluids.readings.positions()[w:], fluids.velocities()[w:]
     beside = (x[:, 0] < 2.5 * L0) & (x[:, 1] < 3 * L0)
     # the potential flow of an impulse, without pressure at the surface (Lamb, section 11), the piston's face at 0.2 t
     k = (2 * np.arange(200) + 1) * np.pi / (2.0 * 6 * L0)
@@ -105,10 +105,10 @@ def test_a_tank_that_is_carried_along_carries_its_water(dimension: int) -> None:
     still = {"liquid": Liquid(viscosity=0.0), "velocity": 4.0 * np.pi * np.array([0.02, 0.01, 0.0])[:dimension]}
     scene = tank(cells, lid=True, wall={"motion": motion}, fluid=still, gravity=(), time_step=1e-3)
     fluids = fluids_of(scene)
-    w, start = walls_of(fluids), fluids.positions()
+    w, start = walls_of(fluids), fluids.readings.positions()
     for t in (0.1, 0.2, 0.33):
         fluids.advance(t)
-        moves = fluids.positions() - start
+        moves = fluids.readings.positions() - start
         expected = np.sin(4.0 * np.pi * t) * np.array([0.02, 0.01, 0.0])[:dimension]
         np.testing.assert_allclose(moves[:w], np.broadcast_to(expected, moves[:w].shape), atol=1e-12)
         np.testing.assert_allclose(moves[w:].mean(axis=0), expected, atol=0.05 * L0)
@@ -126,8 +126,8 @@ def test_a_tank_that_is_turned_keeps_its_water(dimension: int) -> None:
     fluids = fluids_of(tank(cells, room=room, lid=True, wall={"rotation": turn}))
     account, w = Account(fluids), walls_of(fluids)
     account.run(END, 0.02)
-    x = fluids.positions()
-    walls = fluids._particles.positions[:w]
+    x = fluids.readings.positions()
+    walls = fluids.model.particles.positions[:w]
     arm = walls - np.array(pivot)
     turned = arm.copy()
     turned[:, 0], turned[:, 1] = -arm[:, 1], arm[:, 0]
@@ -138,7 +138,7 @@ def test_a_tank_that_is_turned_keeps_its_water(dimension: int) -> None:
     assert (inside > 0.0).all()
     assert (inside < size[:2]).all()
     assert account.error < 1e-11
-    assert fluids.lost() == 0
+    assert fluids.readings.lost() == 0
     np.testing.assert_allclose(fluids.rotations()[:w, -1], 0.5 * np.pi)
     assert not fluids.rotations()[w:].any()
 
@@ -179,8 +179,8 @@ def test_neighbouring_walls_may_move_apart() -> None:
     behind = []
 
     def look(_: float) -> None:
-        x = fluids.positions()
-        lowest = x[:w][fluids._particles.walls[:w] == 3][:, 1].min()
+        x = fluids.readings.positions()
+        lowest = x[:w][fluids.model.particles.walls[:w] == 3][:, 1].min()
         in_gate = (x[w:, 0] > 8 * L0 + 0.5 * L0) & (x[w:, 0] < 8 * L0 + t - 0.5 * L0) & (x[w:, 1] > lowest + 0.5 * L0)
         assert not in_gate.any()
         behind.append((x[w:, 0] > 8 * L0 + t).sum())
@@ -188,4 +188,4 @@ def test_neighbouring_walls_may_move_apart() -> None:
     until(fluids, 0.4, 0.02, look)
     assert behind[2] == 0
     assert behind[-1] > 10
-    assert fluids.lost() == 0
+    assert fluids.readings.lost() == 0

@@ -15,8 +15,12 @@ G = 9.81
 
 def planes(fluids: Fluids) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Positions of the fluid's particles, normals of the walls beside them, and their distances from the faces."""
-    fluids._find_planes()
-    return fluids.state.x.numpy()[wall_count(fluids) :], fluids._normal.numpy(), fluids._depth.numpy()
+    fluids.step.pressure.find_planes()
+    return (
+        fluids.state.x.numpy()[wall_count(fluids) :],
+        fluids.step.pressure.normal.numpy(),
+        fluids.step.pressure.depth.numpy(),
+    )
 
 
 @pytest.mark.parametrize("dimension", [2, 3])
@@ -26,7 +30,7 @@ def test_a_flat_wall_is_found_where_it_is(dimension: int) -> None:
     fluids = fluids_of(tank(cells))
     stir(fluids, amount=0.2)
     x, normal, depth = planes(fluids)
-    reach, high = fluids.operators.radius, L0 * np.array(cells, float)
+    reach, high = fluids.model.operators.radius, L0 * np.array(cells, float)
     others = [axis for axis in range(dimension) if axis != 1]
     open_floor = np.all([(x[:, k] > reach) & (x[:, k] < high[k] - reach) for k in others], axis=0)
     beside = open_floor & (x[:, 1] < 1.2 * L0)
@@ -49,7 +53,7 @@ def test_beside_an_edge_there_is_no_face() -> None:
     # the walls' particles beyond x = 7 spacings are taken away
     x[:w][x[:w, 0] > 7 * L0] = [0.0, 10.0]
     fluids.state.x.assign(x)
-    fluids.lists.renew(fluids.state.x, fluids.state.lost)
+    fluids.step.renew_neighbours()
     x, _, depth = planes(fluids)
     row = x[:, 1] < L0
     assert not depth[row & (x[:, 0] > 6 * L0)].any()
@@ -82,7 +86,7 @@ def test_a_column_sets_off_along_the_floor_as_its_series_says() -> None:
     n, steps = 24, 60
     fluids = fluids_of(tank((n, 2 * n), room=(4 * n, 2 * n + 2)))
     w, width, height, dt = wall_count(fluids), n * L0, 2 * n * L0, 1e-5
-    start, speeds = fluids.positions()[w:], []
+    start, speeds = fluids.readings.positions()[w:], []
 
     def look(_: float) -> None:
         speeds.append(fluids.velocities()[w:])

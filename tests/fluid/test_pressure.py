@@ -43,15 +43,15 @@ SHAKEN = {"motion": HarmonicMotion(amplitude=(0.0, 0.0), frequency=1.0)}
 
 def assembled(fluids: Fluids) -> Fluids:
     """The fluids after a solve over DT, their state otherwise as it was."""
-    fluids._dt.assign([DT])
-    fluids._assemble()
-    fluids._project()
+    fluids.step.time_step.dt.assign([DT])
+    fluids.step.assemble()
+    fluids.step.solve_pressure()
     return fluids
 
 
 def dense(fluids: Fluids) -> tuple[np.ndarray, np.ndarray]:
     """Entries off the diagonal with their sign turned, shape [m, m], and the diagonal."""
-    matrix = fluids._matrix
+    matrix = fluids.step.pressure.matrix
     first, count = matrix.first.numpy(), matrix.count.numpy()
     index, value = matrix.index.numpy(), matrix.value.numpy()
     entries = np.zeros((len(first), len(first)))
@@ -63,24 +63,24 @@ def dense(fluids: Fluids) -> tuple[np.ndarray, np.ndarray]:
 
 def slack(fluids: Fluids) -> float:
     """The error of the number density that is none."""
-    return DISORDER * (L0 / fluids.operators.radius) ** 2
+    return DISORDER * (L0 / fluids.model.operators.radius) ** 2
 
 
 def source(fluids: Fluids, e: np.ndarray, div: np.ndarray) -> np.ndarray:
     """Source of -lap p per density, as the module's text has it."""
-    if fluids._scheme == SCHEMES.index("koshizuka_oka"):
+    if fluids.model.scheme == SCHEMES.index("koshizuka_oka"):
         return ORIGINAL_SHARE * e / DT**2
     e = np.clip(e - np.clip(e, 0.0, slack(fluids)), -LARGEST_ERROR, LARGEST_ERROR)
-    return e / (fluids._relaxation * DT) - div / DT
+    return e / (fluids.model.relaxation_time * DT) - div / DT
 
 
 def divergence(fluids: Fluids, gap: np.ndarray, r: np.ndarray, near: np.ndarray, u_ij: np.ndarray) -> np.ndarray:
     """Divergence of the velocity at each particle from its pairs with others, as the module's text has it."""
-    c = fluids.operators.divergence * near / r**3
+    c = fluids.model.operators.divergence * near / r**3
     moments = np.einsum("nm,nmd,nme->nde", c, gap, gap)
     strain = np.einsum("nm,nmd,nme->nde", c, u_ij, gap)
     w = walls_of(fluids)
-    normal, depth = fluids._normal.numpy().astype(float), fluids._depth.numpy().astype(float)
+    normal, depth = fluids.step.pressure.normal.numpy().astype(float), fluids.step.pressure.depth.numpy().astype(float)
     for k in np.flatnonzero(depth > 0.0):
         ours, theirs = (
             np.einsum("m,md,me->de", c[k, part], gap[k, part], gap[k, part]) for part in (slice(w, None), slice(w))
@@ -94,7 +94,7 @@ def divergence(fluids: Fluids, gap: np.ndarray, r: np.ndarray, near: np.ndarray,
         spread = np.trace(along @ ours)
         assert spread > (gap.shape[2] - 1) * LEAST_SPREAD
         strain[k] += np.trace(along @ theirs) / spread * along @ own @ along - along @ wall
-    if SCHEMES[fluids._scheme] == "conservative":
+    if SCHEMES[fluids.model.scheme] == "conservative":
         corrected = np.linalg.det(moments) > LEAST_DETERMINANT
         assert corrected.any()
         strain[corrected] = strain[corrected] @ np.linalg.inv(moments[corrected])
@@ -108,7 +108,7 @@ def test_rows_are_those_of_numpy(dimension: int, precision: str, scheme: str) ->
     scene = tank(small(dimension), flow=Flow(scheme=scheme))
     fluids = fluids_of(scene, precision=precision)
     stir(fluids, amount=0.15)
-    w, rng, ops = walls_of(fluids), np.random.default_rng(3), fluids.operators
+    w, rng, ops = walls_of(fluids), np.random.default_rng(3), fluids.model.operators
     wall_u, wall_a = rng.uniform(-1.0, 1.0, (2, w, dimension))
     u, a = fluids.state.u.numpy(), fluids.state.a.numpy()
     u[:w], a[:w] = wall_u, 5.0 * wall_a
@@ -133,14 +133,14 @@ def test_rows_are_those_of_numpy(dimension: int, precision: str, scheme: str) ->
     e = weights.sum(axis=1) / ops.number_density - 1.0
     few = (weights > 0.0).sum(axis=1) < SURFACE_NEIGHBOURS * ops.neighbours
     surface = (e + 1.0 < SURFACE_DENSITY) & few
-    np.testing.assert_array_equal(fluids._surface.numpy(), surface)
+    np.testing.assert_array_equal(fluids.step.pressure.surface.numpy(), surface)
     assert 0 < surface.sum() < len(surface)
     beyond = surface * ops.number_density * -e * (ops.beyond[0] - ops.beyond[1] * e)
     expected = ops.laplacian * (seen.sum(axis=1) + beyond) + damping
     np.testing.assert_allclose(diagonal, expected, rtol=10 * near)
     scale = np.clip(dimension / (c * r**2).sum(axis=1), 1.0 - LARGEST_SCALE, 1.0 + LARGEST_SCALE)
     # the bounds are numbers of single precision
-    np.testing.assert_allclose(fluids._scale.numpy(), scale, rtol=max(near, 1e-7))
+    np.testing.assert_allclose(fluids.step.pressure.density_scale.numpy(), scale, rtol=max(near, 1e-7))
 
     gravity = np.asarray(scene.gravity, float)
     free = u.astype(float)
@@ -148,7 +148,7 @@ def test_rows_are_those_of_numpy(dimension: int, precision: str, scheme: str) ->
     div = divergence(fluids, gap, r, weights > 0.0, free[None, :] - free[w:, None])
     share = weights[:, :w].sum(axis=1)
     tilt = np.einsum("nm,nmd->nd", extra, gap[:, w:]) / np.where(share > 0.0, share, 1.0)[:, None]
-    np.testing.assert_allclose(fluids._tilt.numpy(), tilt, atol=10 * near * L0)
+    np.testing.assert_allclose(fluids.step.pressure.tilt.numpy(), tilt, atol=10 * near * L0)
     slope = np.einsum("nmd,md->nm", gap[:, :w] - tilt[:, None], gravity - a[:w])
     sources = source(fluids, np.where(surface, 0.0, e), div)
     rhs = RHO * sources * (~surface | (scheme == "conservative"))
@@ -156,7 +156,7 @@ def test_rows_are_those_of_numpy(dimension: int, precision: str, scheme: str) ->
     few = (weights > 0.0).sum(axis=1) < SURFACE_NEIGHBOURS * ops.neighbours
     surface = (e + 1.0 < SURFACE_DENSITY) & few
     rhs += damping * before
-    np.testing.assert_allclose(fluids._rhs.numpy(), rhs, rtol=near, atol=2.0 * near * np.abs(rhs).max())
+    np.testing.assert_allclose(fluids.step.pressure.rhs.numpy(), rhs, rtol=near, atol=2.0 * near * np.abs(rhs).max())
 
 
 @pytest.mark.parametrize(("dimension", "precision"), KINDS)
@@ -166,7 +166,7 @@ def test_the_solution_satisfies_the_rows(dimension: int, precision: str) -> None
     stir(fluids, amount=0.1)
     assembled(fluids)
     entries, diagonal = dense(fluids)
-    p, rhs = fluids.state.p.numpy(), fluids._rhs.numpy()
+    p, rhs = fluids.state.p.numpy(), fluids.step.pressure.rhs.numpy()
     assert np.linalg.norm(rhs - (diagonal * p - entries @ p)) < 2e-5 * np.linalg.norm(rhs)
     assert p.min() < 0.0
     done = fluids.statistics()
@@ -189,7 +189,7 @@ def test_what_is_of_the_surface(dimension: int) -> None:
     fluids = assembled(fluids_of(tank(small(dimension))))
     height = fluids.state.x.numpy()[walls_of(fluids) :, 1]
     rows_above = np.round((height.max() - height) / L0)
-    surface = fluids._surface.numpy() == 1
+    surface = fluids.step.pressure.surface.numpy() == 1
     assert surface[rows_above == 0].all()
     assert not surface[rows_above >= 2].any()
 
@@ -199,9 +199,9 @@ def test_a_drop_far_away_is_of_the_surface_and_has_no_pressure() -> None:
     x, w = fluids.state.x.numpy(), walls_of(fluids)
     x[w] = [0.05, 0.4]
     fluids.state.x.assign(x)
-    fluids.lists.renew(fluids.state.x, fluids.state.lost)
+    fluids.step.renew_neighbours()
     assembled(fluids)
-    assert fluids._surface.numpy()[0] == 1
+    assert fluids.step.pressure.surface.numpy()[0] == 1
     assert fluids.state.p.numpy()[0] == 0.0
     assert fluids.state.n.numpy()[0] == 0.0
 
@@ -213,9 +213,9 @@ def test_in_a_closed_domain_the_least_pressure_is_0(precision: str) -> None:
     stir(fluids, amount=0.1)
     assembled(fluids)
     entries, diagonal = dense(fluids)
-    p, rhs = fluids.state.p.numpy(), fluids._rhs.numpy()
+    p, rhs = fluids.state.p.numpy(), fluids.step.pressure.rhs.numpy()
     assert p.min() == 0.0
-    assert not fluids._surface.numpy().any()
+    assert not fluids.step.pressure.surface.numpy().any()
     # up to a constant, which the damping of changes sees
     residual = rhs - rhs.mean() - (diagonal * p - entries @ p)
     constant = diagonal - entries.sum(axis=1)
@@ -231,7 +231,7 @@ def test_a_period_costs_the_solve_no_iterations(cells: tuple[int, ...]) -> None:
         fluids = fluids_of(scene)
         stir(fluids, amount=0.1)
         assembled(fluids)
-        assert fluids._matrix.singular.numpy()[0] == 1
+        assert fluids.step.pressure.matrix.singular.numpy()[0] == 1
         iterations.append(fluids.statistics().last_iterations)
     assert iterations[0] <= iterations[1] + 2
 
@@ -245,7 +245,7 @@ def test_water_that_fills_a_tank_has_the_pressure_of_its_depth(dimension: int, p
     u[walls_of(fluids) :, 1] = -DT * 9.81
     fluids.state.u.assign(u)
     assembled(fluids)
-    assert fluids._matrix.singular.numpy()[0] == 1
+    assert fluids.step.pressure.matrix.singular.numpy()[0] == 1
     height = fluids.state.x.numpy()[walls_of(fluids) :, 1]
     depth = height.max() - height
     np.testing.assert_allclose(
@@ -311,8 +311,8 @@ def test_a_lattice_may_come_into_disorder_at_its_volume() -> None:
     """The number density that it gains is not mended: the water would swell by it."""
     fluids = fluids_of(periodic_box((14, 13)))
     stir(fluids, amount=0.05, speed=0.0)
-    e = assembled(fluids).state.n.numpy() / fluids.operators.number_density - 1.0
-    rhs = fluids._rhs.numpy() / (RHO / (DT * fluids._relaxation))
+    e = assembled(fluids).state.n.numpy() / fluids.model.operators.number_density - 1.0
+    rhs = fluids.step.pressure.rhs.numpy() / (RHO / (DT * fluids.model.relaxation_time))
     none = (e > 0.0) & (e < slack(fluids))
     assert 0 < none.sum() < len(none)
     np.testing.assert_allclose(rhs[none], 0.0, atol=1e-9)
@@ -329,9 +329,9 @@ def test_the_source_restores_the_density(scheme: str, scale: float, sign: int) -
     middle = int(np.argmin(np.linalg.norm(x - 0.5 * 14 * L0, axis=1)))
     x[:] = x[middle] + scale * (x - x[middle])
     fluids.state.x.assign(x)
-    fluids.lists.renew(fluids.state.x, fluids.state.lost)
+    fluids.step.renew_neighbours()
     rhs = assembled(fluids)._rhs.numpy()[middle - walls_of(fluids)]
-    unit = RHO / (DT * fluids._relaxation)
+    unit = RHO / (DT * fluids.model.relaxation_time)
     assert np.sign(rhs if abs(rhs) > 1e-9 * unit else 0.0) == sign
 
 
@@ -341,7 +341,7 @@ def test_a_closed_tank_that_has_lost_a_particle_is_still_closed() -> None:
     lost = fluids.state.lost.numpy()
     lost[walls_of(fluids) + 5] = 1
     fluids.state.lost.assign(lost)
-    fluids.lists.renew(fluids.state.x, fluids.state.lost)
+    fluids.step.renew_neighbours()
     assembled(fluids)
     done = fluids.statistics()
     assert done.stagnated + done.exhausted == 0

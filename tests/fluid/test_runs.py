@@ -12,6 +12,7 @@ from tests.fluid.scenes import scene_of, tank, water
 from warp_mps.app.cli import main
 from warp_mps.errors import RunError
 from warp_mps.fluid import fluids as fluids_module
+from warp_mps.fluid import time_loop
 from warp_mps.results.summary import read_summary
 from warp_mps.run.run import run_scene
 from warp_mps.scene import Flow, HarmonicMotion, Probe, Scene
@@ -61,7 +62,7 @@ def test_a_run_in_two_parts_is_the_run_in_one(
     scene: Scene, tmp_path: Path, first: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Also where the first part ends between two frames."""
-    monkeypatch.setattr(fluids_module, "SORT_EVERY", 10)
+    monkeypatch.setattr(time_loop, "SORT_EVERY", 10)
     whole, parts = tmp_path / "whole", tmp_path / "parts"
     summary = run_scene(scene, whole, quiet=True)
     run_scene(replace(scene, duration=first), parts, quiet=True)

@@ -9,7 +9,7 @@ import pytest
 
 from tests.fluid.scenes import KINDS, L0, fluids_of, periodic_box, stir, tank, tolerance, total_momentum
 from tests.fluid.scenes import wall_count as walls_of
-from warp_mps.fluid.limits import VISCOUS_STEP, step_limit
+from warp_mps.fluid.time_step import VISCOUS_STEP, step_limit
 from warp_mps.particles.filling import fill_scene
 from warp_mps.scene import Liquid
 
@@ -34,14 +34,14 @@ def test_the_step_satisfies_its_equation(dimension: int, precision: str) -> None
     stir(fluids, amount=0.1, speed=1.0)
     w, dt = walls_of(fluids), 1e-3
     before = fluids.state.u.numpy()[w:].astype(float)
-    fluids._dt.assign([dt])
-    fluids._slow()
-    fluids._move()
-    assert fluids._implicit is not None
-    solved = fluids._implicit.u.numpy()[w:]
+    fluids.step.time_step.dt.assign([dt])
+    fluids.step.apply_viscosity()
+    fluids.step.predict()
+    assert fluids.step.implicit_viscosity is not None
+    solved = fluids.step.implicit_viscosity.u.numpy()[w:]
     size = np.abs(before).max()
     gravity = np.asarray(scene.gravity)
-    change = dt * (gravity + fluids._acceleration.numpy()[w:])
+    change = dt * (gravity + fluids.step.viscous_acceleration.numpy()[w:])
     np.testing.assert_allclose(solved, before + change, atol=tolerance(precision, 1e-5, 1e-4) * size)
     # what is stirred is nearly still after a step of dt nu = 2.5 l0^2, but for its mean
     assert np.std(solved) < 0.3 * np.std(before)
@@ -51,16 +51,16 @@ def test_a_shear_wave_decays_as_exactly_as_steps_allow() -> None:
     """Backward Euler in a periodic box: the factor of a step is 1/(1 + dt nu k^2), k as the operator has it."""
     scene = periodic_box((16, 12), time_step=2e-3)
     fluids = fluids_of(replace(scene, fluids=(replace(scene.fluids[0], liquid=HONEY),)))
-    assert fluids._implicit is not None
+    assert fluids.step.implicit_viscosity is not None
     x = fluids.state.x.numpy()
     k = 2.0 * np.pi / (16 * L0)
     u = np.zeros_like(x)
     u[:, 1] = np.sin(k * x[:, 0])
     fluids.state.u.assign(u)
-    fluids._dt.assign([2e-3])
-    fluids._slow()
-    fluids._move()
-    decay = np.abs(fluids._implicit.u.numpy()[:, 1]).max() / np.abs(u).max()
+    fluids.step.time_step.dt.assign([2e-3])
+    fluids.step.apply_viscosity()
+    fluids.step.predict()
+    decay = np.abs(fluids.step.implicit_viscosity.u.numpy()[:, 1]).max() / np.abs(u).max()
     assert decay == pytest.approx(1.0 / (1.0 + 2e-3 * k**2), rel=0.02)
 
 
@@ -68,9 +68,9 @@ def test_what_the_water_loses_the_walls_gain() -> None:
     fluids = fluids_of(tank((8, 8), fluid={"liquid": HONEY}, wall={"slip": "no"}, gravity=()))
     stir(fluids, amount=0.1, speed=1.0)
     before = total_momentum(fluids)
-    fluids._dt.assign([1e-3])
-    fluids._slow()
-    fluids._move()
+    fluids.step.time_step.dt.assign([1e-3])
+    fluids.step.apply_viscosity()
+    fluids.step.predict()
     impulse = fluids.state.impulse.numpy().sum(axis=0)
     assert np.abs(impulse).max() > 0.0
     np.testing.assert_allclose(total_momentum(fluids) - before, -impulse, atol=1e-12)
@@ -79,10 +79,10 @@ def test_what_the_water_loses_the_walls_gain() -> None:
 def test_honey_creeps_in_a_tank() -> None:
     """A column of it sinks slowly, with steps eighty times as long as explicit viscosity would take."""
     fluids = fluids_of(tank((6, 12), room=(18, 14), fluid={"liquid": HONEY}, wall={"slip": "no"}))
-    level = fluids.positions()[walls_of(fluids) :, 1].mean()
+    level = fluids.readings.positions()[walls_of(fluids) :, 1].mean()
     steps = fluids.advance(0.2)
     assert steps < 0.2 / (20.0 * VISCOUS_STEP * L0**2)
-    sunk = level - fluids.positions()[walls_of(fluids) :, 1].mean()
+    sunk = level - fluids.readings.positions()[walls_of(fluids) :, 1].mean()
     # water has lost half of its height by then
     assert 0.1 * L0 < sunk < 0.3 * level
     assert fluids.trouble() is None

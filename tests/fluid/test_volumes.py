@@ -19,8 +19,8 @@ def test_volumes_against_numpy(dimension: int, precision: str) -> None:
     lost = fluids.state.lost.numpy()
     lost[-1] = 1
     fluids.state.lost.assign(lost)
-    fluids.lists.renew(fluids.state.x, fluids.state.lost)
-    w, ops, cell = walls_of(fluids), fluids.operators, L0**dimension
+    fluids.step.renew_neighbours()
+    w, ops, cell = walls_of(fluids), fluids.model.operators, L0**dimension
     _, r, weights = pairs(fluids)
     weights[:, -1] = weights[-1] = 0.0
     s = 1.0 + np.where(weights > 0.0, (1.0 - (r / ops.radius) ** 2) ** 4, 0.0)[w:].sum(axis=1)
@@ -52,11 +52,11 @@ def test_a_swelling_is_seen_and_spray_keeps_its_volume() -> None:
     middle = np.all(np.abs(x - 10 * L0) < 6 * L0, axis=1)
     for growth in (0.99, 1.01, 1.03):
         fluids.state.x.assign(growth * x)
-        fluids.lists.renew(fluids.state.x, fluids.state.lost)
+        fluids.step.renew_neighbours()
         swollen = fluids.volumes()[middle].mean() / L0**2 - 1.0
         assert swollen == pytest.approx(growth**2 - 1.0, rel=0.01)
     fluids.state.x.assign(3.2 * x)
-    fluids.lists.renew(fluids.state.x, fluids.state.lost)
+    fluids.step.renew_neighbours()
     assert fluids.volumes().sum() == pytest.approx(400 * L0**2)
 
 
@@ -69,7 +69,7 @@ def test_a_lattice_that_is_drawn_out_keeps_its_volume(dimension: int, most: floa
     x = fluids.state.x.numpy().copy()
     middle = np.all(np.abs(x - 7 * L0) < 3 * L0, axis=1)
     fluids.state.x.assign(strain * x)
-    fluids.lists.renew(fluids.state.x, fluids.state.lost)
+    fluids.step.renew_neighbours()
     assert fluids.volumes()[middle].mean() == pytest.approx(L0**dimension, rel=most)
 
 

@@ -102,7 +102,7 @@ def test_the_estimate_of_fluids() -> None:
     scene = Scene(fluids=(water,), walls=(floor,), gravity=(0.0, -9.81), duration=0.1, frame_rate=20.0)
     cost, simulation = estimate(scene), Simulation(scene)
     assert cost.particles == {"floor": 120, "water": 200}
-    assert cost.dt == cost.dt_limit == simulation.fluids.step_limit
+    assert cost.dt == cost.dt_limit == simulation.fluids.model.step_limit
     assert (cost.steps, cost.frames) == (math.ceil(0.1 / cost.dt), 3)
     assert cost.seconds > 0.0
     assert estimate(replace(scene, time_step=1e-4)).steps == 1000

@@ -20,7 +20,7 @@ from tests.elastic.implicit.test_theta_rule import EDGE, TIP, rod
 from tests.fluid.scenes import L0, box, scene_of, tank, water
 from tests.scenes import beam, ends
 from warp_mps.app.cli import main
-from warp_mps.fluid import fluids as fluids_module
+from warp_mps.fluid import pressure_equation
 from warp_mps.fluid.failures import MOST_UNSOLVED
 from warp_mps.results.history import read_history
 from warp_mps.run.simulation import Simulation
@@ -225,7 +225,7 @@ def test_water_and_bodies_that_are_at_odds(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """As where a body is much lighter than the water, and there is one pass a step alone."""
-    monkeypatch.setattr("warp_mps.coupling.water.MOST_PASSES", 1)
+    monkeypatch.setattr("warp_mps.coupling.step.MOST_PASSES", 1)
     line = failed(gate(density=50.0), tmp_path, capsys)
     assert re.search(rf"at t = 0\.\d+ s: water and bodies were at odds in {MOST_UNSOLVED} steps in a row", line)
     assert re.search(rf"forces on the bodies still change by \S+ of themselves, and most at {PLACE} at \(.*\) m$", line)
@@ -259,7 +259,7 @@ def test_a_fluid_whose_steps_collapse(
 def test_a_pressure_solve_without_iterations_left(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(fluids_module, "MAX_ITERATIONS", 2)
+    monkeypatch.setattr(pressure_equation, "MAX_ITERATIONS", 2)
     line = failed(tank((8, 8), room=(12, 12), **FRAMES), tmp_path, capsys)
     assert f"the equation of the pressures was not solved in {MOST_UNSOLVED} steps in a row" in line
     assert re.search(rf"\(asked: 0\.0001\), and largest at {PLACE}", line)

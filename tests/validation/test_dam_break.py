@@ -29,7 +29,7 @@ def arrivals(count: int, scheme: str = "conservative") -> np.ndarray:
 
     def look(t: float) -> None:
         times.append(t / unit)
-        fronts.append((fluids.positions()[w:, 0].max() + 0.5 * L0) / width)
+        fronts.append((fluids.readings.positions()[w:, 0].max() + 0.5 * L0) / width)
 
     until(fluids, 2.3 * unit, 0.01 * unit, look)
     return np.interp(FRONTS, np.maximum.accumulate(fronts), times)

@@ -8,17 +8,21 @@ from typing import Any
 import numpy as np
 
 from warp_mps.core.types import NumericTypes
-from warp_mps.coupling.choice import substep, takes_implicit_steps
-from warp_mps.coupling.exchange import METHOD, coupling_kernels
-from warp_mps.coupling.marker_kernels import marker_kernels
-from warp_mps.coupling.markers import Markers
+from warp_mps.coupling.integrator_choice import substep, takes_implicit_steps
+from warp_mps.coupling.interface import Markers
+from warp_mps.coupling.interface_kernels import marker_kernels
+from warp_mps.coupling.robin_kernels import METHOD, coupling_kernels
+from warp_mps.coupling.step import CoupledStep
 from warp_mps.coupling.structures import ImplicitStructure, Structure, SubsteppedStructure
-from warp_mps.coupling.water import WetFluids
 from warp_mps.elastic.implicit.theta_rule import ImplicitSolid
 from warp_mps.elastic.output.stresses import StressFields
+from warp_mps.errors import InputError
+from warp_mps.fluid.fluids import Fluids
+from warp_mps.fluid.time_loop import TimeLoop
 from warp_mps.particles.particles import Particles
 from warp_mps.results.energy import Energy
 from warp_mps.scene import Scene
+from warp_mps.scene.validation.rules import place
 
 # of the bodies' linear systems: passes begin close to their solutions
 LINEAR_TOLERANCE = 1e-3
@@ -35,7 +39,10 @@ class Hydroelastic:
     """The elastic bodies, the walls and the fluids of a scene.
 
     Attributes:
-        water: The fluids.
+        particles: The particles, in the order of the scene.
+        fluids: The fluids, between its walls and the markers.
+        markers: The markers of the bodies.
+        step: The coupled step of both.
         structure: How the bodies take a step of the water.
         solid: The bodies, and the walls that they touch.
         implicit: Whether the bodies take a step of the water implicitly.
@@ -62,13 +69,16 @@ class Hydroelastic:
         device: Any,
         graphs: bool = True,
     ) -> None:
-        self._particles, self._elastic = particles, particles.elastic
+        self.particles = particles
         self.implicit = takes_implicit_steps(scene)
         markers = Markers(particles, scene.fluids[0].spacing, types=types, device=device)
         self.structure = self._make_structure(scene, particles, interval, types, device, graphs)
         self.solid = self.structure.solid
-        self.water = WetFluids(scene, markers, self.structure, types=types, device=device, graphs=graphs)
-        self._markers = markers
+        self.fluids = Fluids(scene, markers.particles, types=types, device=device, graphs=graphs)
+        self.step = CoupledStep(self.fluids, markers, self.structure)
+        self.markers = markers
+        self._loop = TimeLoop(self.fluids.step, find_failure=self.step.find_failure, take_step=self.step.take)
+        self._source = place(scene.fluids[0], "fluid")
 
     def _make_structure(
         self, scene: Scene, particles: Particles, interval: float, types: NumericTypes, device: Any, graphs: bool
@@ -85,9 +95,18 @@ class Hydroelastic:
         return SubsteppedStructure(alone, particles.dry_part(), dt=dt, retardation_time=tau, **options)
 
     def start(self) -> None:
-        """Evaluate what the first step begins with."""
+        """Evaluate what the first step begins with.
+
+        Raises:
+            InputError: The fluids have no free surface.
+        """
         self.solid.start()
-        self.water.start()
+        self.step.place_markers()
+        self.fluids.start()
+        # a closed fluid finds its volume, which no particles hold exactly, in the bodies
+        if self.fluids.step.is_closed():
+            reason = "leaves no free surface between walls and elastic bodies: give the water some room"
+            raise InputError(self._source, "shape", reason)
 
     def advance(self, time: float) -> int:
         """Advance to a time [s], and return the number of steps of the water that it took.
@@ -95,75 +114,75 @@ class Hydroelastic:
         Raises:
             RunError: A step of the bodies was not solved, or a fluid particle ran away.
         """
-        return self.water.advance(time)
+        return self._loop.advance(time)
 
     def displacements(self) -> np.ndarray:
         """Displacements u = x - X [m], shape [n, d]."""
-        return self._with_bodies(self.water.displacements(), self.solid.displacements())
+        return self._with_bodies(self.fluids.displacements(), self.solid.displacements())
 
     def velocities(self) -> np.ndarray:
         """Velocities [m/s], shape [n, d]."""
-        return self._with_bodies(self.water.velocities(), self.solid.velocities())
+        return self._with_bodies(self.fluids.velocities(), self.solid.velocities())
 
     def rotations(self) -> np.ndarray:
         """Rotation vectors [rad], shape [n, 1] in 2-D and [n, 3] in 3-D."""
-        return self._with_bodies(self.water.rotations(), self.solid.rotations())
+        return self._with_bodies(self.fluids.rotations(), self.solid.rotations())
 
     def angular_velocities(self) -> np.ndarray:
         """Angular velocities [rad/s], shape [n, 1] in 2-D and [n, 3] in 3-D."""
-        return self._with_bodies(self.water.angular_velocities(), self.solid.angular_velocities())
+        return self._with_bodies(self.fluids.angular_velocities(), self.solid.angular_velocities())
 
     def pressures(self) -> np.ndarray:
         """Pressures: of the material in bodies, of the water beside them on walls [Pa], shape [n]."""
-        return self._with_bodies(self.water.pressures(), self.solid.pressures())
+        return self._with_bodies(self.fluids.pressures(), self.solid.pressures())
 
     def number_densities(self) -> np.ndarray:
         """Number densities of fluids in units of a full lattice's, else 1 [-], shape [n]."""
-        return self._with_bodies(self.water.number_densities(), self.solid.number_densities())
+        return self._with_bodies(self.fluids.number_densities(), self.solid.number_densities())
 
     def volumes(self) -> np.ndarray:
         """Volumes that particles of fluids take up, else 0 [m^d], shape [n]."""
-        return self._with_bodies(self.water.volumes(), self.solid.volumes())
+        return self._with_bodies(self.fluids.volumes(), self.solid.volumes())
 
     def stress_fields(self) -> StressFields:
         """Stresses and strains."""
-        wet, dry = self.water.stress_fields(), self.solid.stress_fields()
+        wet, dry = self.fluids.stress_fields(), self.solid.stress_fields()
         return StressFields(*map(self._with_bodies, wet, dry))
 
     def energy_densities(self) -> np.ndarray:
         """Strain energy per reference volume [J/m^3], shape [n]."""
-        return self._with_bodies(self.water.energy_densities(), self.solid.energy_densities())
+        return self._with_bodies(self.fluids.energy_densities(), self.solid.energy_densities())
 
     def contact_forces(self) -> np.ndarray:
         """Forces of contact now, and of the water in the mean of the last interval [N], shape [n, d]."""
-        wet = self.water.contact_forces()
-        forces = self._with_bodies(wet, self._shared(wet[: self._markers.count]))
+        wet = self.fluids.contact_forces()
+        forces = self._with_bodies(wet, self._shared(wet[: self.markers.count]))
         touching = self.solid.contact_forces()
         forces[: len(touching)] += touching
         return forces
 
     def internal_forces(self) -> np.ndarray:
         """What the particles exert on each other [N], shape [n, d]."""
-        wet = self.water.internal_forces()
-        forces = self._with_bodies(wet, self._shared(wet[: self._markers.count]))
+        wet = self.fluids.internal_forces()
+        forces = self._with_bodies(wet, self._shared(wet[: self.markers.count]))
         elastic = self.solid.internal_forces()
         forces[: len(elastic)] += elastic
         return forces
 
     def elastic_torques(self) -> np.ndarray:
         """Elastic torques on the particles' own rotation [N m], shape [n, 1] in 2-D and [n, 3] in 3-D."""
-        return self._with_bodies(self.water.elastic_torques(), self.solid.elastic_torques())
+        return self._with_bodies(self.fluids.elastic_torques(), self.solid.elastic_torques())
 
     def reactions(self) -> np.ndarray:
         """Forces that supports exert on the particles [N], shape [n, d]."""
-        return self._with_bodies(self.water.reactions(), self.solid.reactions())
+        return self._with_bodies(self.fluids.reactions(), self.solid.reactions())
 
     def energy(self) -> Energy:
         """Energies of water and bodies; the work is that of walls, supports and loads."""
-        wet, dry, count = self.water.energy(), self.solid.energy(), self._markers.count
+        wet, dry, count = self.fluids.energy(), self.solid.energy(), self.markers.count
         # what they do to each other is no work from outside
-        exchanged = float(self.water.state.work.numpy()[:count].sum())
-        pressed, _, held = (float(work.numpy().sum()) for work in self.water.works)
+        exchanged = float(self.fluids.state.work.numpy()[:count].sum())
+        pressed, _, held = (float(work.numpy().sum()) for work in self.step.works)
         # implicit steps count what pressures do as work from outside; what a support takes up goes back to the outside
         inner = held + (pressed if self.implicit else 0.0)
         return Energy(
@@ -177,18 +196,18 @@ class Hydroelastic:
 
     def trouble(self) -> str | None:
         """Why the run cannot go on, if it cannot."""
-        return self.water.trouble() or self.solid.trouble()
+        return self.fluids.trouble() or self.solid.trouble()
 
     def record(self) -> dict[str, dict[str, float]]:
         """What the solvers did so far."""
-        work = {"work_on_bodies": float(sum(work.numpy().sum() for work in self.water.works))}
-        coupling = {**self.water.exchange.record(), **work}
+        work = {"work_on_bodies": float(sum(work.numpy().sum() for work in self.step.works))}
+        coupling = {**self.step.statistics.record(), **work}
         solver = self.solid.record() if isinstance(self.solid, ImplicitSolid) else {}
-        return {**self.water.record(), **solver, "coupling": coupling}
+        return {**self.fluids.record(), **solver, "coupling": coupling}
 
     def arrays(self) -> dict[str, np.ndarray]:
         """Everything that evolves, for a checkpoint."""
-        wet = {f"water_{name}": array for name, array in self.water.arrays().items()}
+        wet = {f"water_{name}": array for name, array in {**self.fluids.arrays(), **self.step.arrays()}.items()}
         return {**wet, **{f"bodies_{name}": array for name, array in self.structure.arrays().items()}}
 
     def assign(self, arrays: dict[str, np.ndarray]) -> None:
@@ -198,12 +217,14 @@ class Hydroelastic:
             return {name.removeprefix(prefix): array for name, array in arrays.items() if name.startswith(prefix)}
 
         self.structure.assign(own("bodies_"))
-        self.water.assign(own("water_"))
+        wet = own("water_")
+        self.fluids.assign(wet)
+        self.step.assign(wet)
 
     def _with_bodies(self, wet: np.ndarray, dry: np.ndarray) -> np.ndarray:
         """Values of the elastic particles, then those that the water has of walls and fluids."""
-        return np.concatenate((dry[: self._elastic], wet[self._markers.count :]))
+        return np.concatenate((dry[: self.particles.elastic], wet[self.markers.count :]))
 
     def _shared(self, values: np.ndarray) -> np.ndarray:
         """Values of the markers shared evenly by their particles."""
-        return self._markers.shared(values)
+        return self.markers.distribute(values)

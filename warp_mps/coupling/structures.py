@@ -14,7 +14,7 @@ import warp as wp
 from warp_mps.core.replay import Replay
 from warp_mps.core.snapshot import Snapshot
 from warp_mps.core.types import NumericTypes
-from warp_mps.coupling.marker_kernels import marker_kernels
+from warp_mps.coupling.interface_kernels import marker_kernels
 from warp_mps.elastic.explicit.solid import Solid
 from warp_mps.elastic.implicit.theta_rule import ImplicitSolid
 from warp_mps.particles.particles import Particles
@@ -146,9 +146,13 @@ class SubsteppedStructure:
         """Keep the present state."""
         self._replay("save", self._snapshot.save)
 
+    def restore(self) -> None:
+        """Return to the state that was kept, the total force of which then holds the present external force."""
+        self._replay("restore", self._restore)
+
     def advance(self, time: float, *, trial: bool = False) -> None:
         """Take the sub-steps; the force that the first one starts with is already that of this step."""
-        self._replay("begin", self._begin)
+        self.restore()
         rest, block = self._count, 1
         # as few graphs as any number of steps needs: one for each power of two
         while rest:
@@ -166,7 +170,7 @@ class SubsteppedStructure:
         for array in (self._carried, self.external):  # what is shown of a moment knows the force of its step
             array.assign(arrays["carried_force"])
 
-    def _begin(self) -> None:
+    def _restore(self) -> None:
         self._snapshot.restore()
         inputs, outputs = [self.external], [self._carried, self.solid.state.force]
         wp.launch(self._kernels.load, len(self.external), inputs, outputs, device=self._device)

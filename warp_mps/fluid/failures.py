@@ -1,10 +1,12 @@
-"""What ends a run of fluids: why no further step makes sense, and at which particle."""
+"""Detection of failures of a run of fluids: why no further step makes sense, and at which particle."""
+
+from __future__ import annotations
 
 import math
 
 import numpy as np
 
-from warp_mps.fluid.readings import FluidReadings
+from warp_mps.fluid.step import FluidStep
 
 # share of the fluid that may leave the domain
 LARGEST_LOSS = 0.01
@@ -14,85 +16,94 @@ LARGEST_SPEED = 1000.0
 MOST_UNSOLVED = 10
 
 
-class FluidFailures(FluidReadings):
-    """The failures of `warp_mps.fluid.fluids.Fluids`, which owns what they look at."""
+class FluidFailures:
+    """Finds failures: crowded neighbour lists, leaks, runaway particles, and equations that are not solved.
 
-    # solves that had failed before the last step, and steps in a row that added to them
-    _failed = 0
-    _unsolved = 0
+    Args:
+        step: The step of the fluids.
+    """
+
+    def __init__(self, step: FluidStep) -> None:
+        self._step, self._model, self._state = step, step.model, step.state
+        # solves that had failed before the last step, and steps in a row that added to them
+        self._failed = self._unsolved = 0
 
     def trouble(self) -> str | None:
         """Why the run cannot go on, if it cannot."""
-        return self._crowd() or (self._leak() if self.lost() else None)
+        return self._find_overflow() or self._find_leak()
 
-    def failure(self, left: int) -> str | None:
-        """Why no further step makes sense, if none does.
+    def after_step(self, left: int) -> str | None:
+        """Why no further step makes sense, if none does; to be asked once after every step.
 
         Args:
             left: Steps that are left up to the time that they go towards.
         """
-        if (trouble := self._crowd() or self._stuck()) is not None:
+        if (trouble := self._find_overflow() or self._find_unsolved()) is not None:
             return trouble
-        if left > LARGEST_SPEED * max(self._interval / self._longest, 1.0):
-            return self.runaway()
+        if left > LARGEST_SPEED * max(self._state.interval / self._step.time_step.longest, 1.0):
+            return self.find_runaway()
         return None
 
-    def runaway(self) -> str | None:
-        """Which particle makes the steps collapse, if one does."""
-        speeds, w = np.linalg.norm(self.state.u.numpy().astype(float), axis=1), self._walls
+    def find_runaway(self) -> str | None:
+        """Which particle makes the time step collapse, if one does."""
+        speeds, w = np.linalg.norm(self._state.u.numpy().astype(float), axis=1), self._model.walls
         k = w + int(np.argmax(speeds[w:]))
-        usual = max(self._courant * self._spacing / self._longest, speeds[:w].max(initial=0.0))
+        usual = max(
+            self._model.courant * self._model.spacing / self._step.time_step.longest, speeds[:w].max(initial=0.0)
+        )
         if speeds[k] <= LARGEST_SPEED * usual:
             return None
-        return f"{self._moving(k)}: it runs away, the flow has collapsed there, and time steps with it"
+        return f"{self._describe_speed(k)}: it runs away, the flow has collapsed there, and time steps with it"
 
-    def fastest(self) -> str:
+    def describe_fastest(self) -> str:
         """The fastest particle of all, and how fast it is."""
-        return self._moving(int(np.argmax(np.abs(self.state.u.numpy()).max(axis=1))))
+        return self._describe_speed(int(np.argmax(np.abs(self._state.u.numpy()).max(axis=1))))
 
-    def _crowd(self) -> str | None:
+    def describe(self, place: int) -> str:
+        """The particle at a place in the arrays, and where it is."""
+        return f"{self.name(place)} at ({', '.join(f'{c:.4g}' for c in self._state.x.numpy()[place])}) m"
+
+    def name(self, place: int) -> str:
+        """The particle at a place in the arrays."""
+        w = self._model.walls
+        return self._model.particles.describe(int(place if place < w else w + self._state.order.numpy()[place - w]))
+
+    def _describe_speed(self, place: int) -> str:
+        # the squares of very large velocities overflow
+        speed = math.hypot(*self._state.u.numpy()[place].astype(float))
+        return f"{self.describe(place)} moves at {speed:.4g} m/s"
+
+    def _find_overflow(self) -> str | None:
         """Where more particles crowd than neighbour lists may have room for, if they do."""
-        if self.lists.can_grow or (particle := self.lists.overflowed()) is None:
+        lists = self._step.neighbours
+        if lists.can_grow or (particle := lists.overflowed()) is None:
             return None
-        middle = f"{self._which(particle)} at {self._where(particle)}"
+        middle = self.describe(particle)
         return f"more particles crowd about {middle} than a neighbour list holds: the flow has collapsed there"
 
-    def _leak(self) -> str | None:
-        """Which particle has left the domain, if too many have, or one whose place is no number."""
-        lost = self._walls + np.flatnonzero(self.state.lost.numpy()[self._walls :])
-        wrong = lost[~np.isfinite(self.state.x.numpy()[lost]).all(axis=1)]
+    def _find_leak(self) -> str | None:
+        """Which particle has left the domain, if too many have, or one whose position is not finite."""
+        w = self._model.walls
+        lost = w + np.flatnonzero(self._state.lost.numpy()[w:])
+        wrong = lost[~np.isfinite(self._state.x.numpy()[lost]).all(axis=1)]
         if len(wrong):
-            return f"the position of {self._which(wrong[0])} is not finite: the flow has collapsed there"
-        if len(lost) <= LARGEST_LOSS * self._m:
+            return f"the position of {self.name(wrong[0])} is not finite: the flow has collapsed there"
+        if len(lost) <= LARGEST_LOSS * self._model.count:
             return None
-        first = f"{self._which(lost[0])} at {self._where(lost[0])}"
-        return f"{len(lost)} of {self._m} fluid particles have left the domain, as {first}: there is a leak"
+        first = self.describe(lost[0])
+        return f"{len(lost)} of {self._model.count} fluid particles have left the domain, as {first}: there is a leak"
 
-    def _stuck(self) -> str | None:
+    def _find_unsolved(self) -> str | None:
         """Count the steps in a row in which an equation was not solved, and say where, once they are too many."""
-        failed = self._unsolved_solves()
+        failed = self._step.count_unsolved()
         self._unsolved = self._unsolved + 1 if failed > self._failed else 0
         self._failed = failed
         if self._unsolved < MOST_UNSOLVED:
             return None
-        name, solver = max(self.solvers.items(), key=lambda item: item[1].count_unsolved())
-        k = self._walls + solver.worst_row()
+        name, solver = max(self._step.solvers.items(), key=lambda item: item[1].count_unsolved())
+        worst = self.describe(self._model.walls + solver.worst_row())
         residual = f"{solver.read_statistics().last_residual:.3g} of its right-hand side (asked: {solver.tolerance:g})"
         return (
             f"the equation of the {name} was not solved in {self._unsolved} steps in a row: its residual is {residual},"
-            f" and largest at {self._which(k)} at {self._where(k)}"
+            f" and largest at {worst}"
         )
-
-    def _which(self, place: int) -> str:
-        """The particle at a place in the arrays."""
-        w = self._walls
-        return self._particles.describe(int(place if place < w else w + self.state.order.numpy()[place - w]))
-
-    def _moving(self, place: int) -> str:
-        # squares of what has exploded would be no numbers any more
-        speed = math.hypot(*self.state.u.numpy()[place].astype(float))
-        return f"{self._which(place)} at {self._where(place)} moves at {speed:.4g} m/s"
-
-    def _where(self, place: int) -> str:
-        """Where the particle at a place in the arrays is."""
-        return f"({', '.join(f'{c:.4g}' for c in self.state.x.numpy()[place])}) m"

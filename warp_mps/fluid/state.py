@@ -2,37 +2,40 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, fields
-from typing import Any
 
 import numpy as np
 import warp as wp
 
-from warp_mps.core.types import NumericTypes
 from warp_mps.fluid.lists import NeighbourLists
-from warp_mps.particles.particles import Particles
+from warp_mps.fluid.model import FluidModel
 
 
 @dataclass(kw_only=True)
 class FluidState:
-    """State of the walls and of the fluid on a device, walls first; n particles, m of them fluid.
+    """State of n particles, the first w of them walls, the last m fluid; all of it is in a checkpoint.
+
+    Arrays of fluid particles are in the order of the cells that the particles are in, see `sort`.
 
     Attributes:
         x:        Positions [m], vec [n].
         u:        Velocities [m/s], vec [n].
         a:        Accelerations of the walls, 0 for the fluid [m/s^2], vec [n].
-        lost:     Whether a particle has left the domain, int32 [n].
-        order:    Particle whose place in the arrays this is, counted among the fluid's, int32 [m].
+        lost:     1 if a particle has left the domain, else 0, int32 [n].
+        order:    Particle at each place of the arrays, counted among the fluid's, int32 [m].
         p:        Pressures [Pa], float64 [m].
         n:        Number densities [-], real [m].
-        impulse:  Impulse of the fluid on the walls since the last whole interval [N s], in 2-D [N s/m], float64 [w].
+        impulse:  Impulse of the fluid on the walls in the present interval [N s], in 2-D [N s/m], vec64 [w].
         work:     Work of the walls on the fluid [J], in 2-D [J/m], float64 [w].
-        forces:   Force of the fluid on the walls, its mean over the last whole interval [N], in 2-D [N/m], float64 [w].
-        fallen:   Fall through periods so far, g times way, of what was at this place [m^2/s^2], float64 [m].
+        forces:   Mean force of the fluid on the walls over the last whole interval [N], in 2-D [N/m], vec64 [w].
+        fallen:   Sum of gravity times the periods that particles were wrapped by at a place [m^2/s^2], float64 [m].
         time:     Time [s], float64 [1].
         steps:    Number of steps done, int32 [1].
         x_listed: Positions at which the neighbour lists were made [m], vec [n].
-        stale:    Whether the lists must be made anew before they are used again, int32 [1].
+        stale:    1 if the lists must be renewed before they are used again, else 0, int32 [1].
+        u_before: Velocities at the start of the last interval, in the order of the scene [m/s], host, shape [n, d].
+        interval: Length of the last interval [s], host; infinite before the first.
     """
 
     x: wp.array
@@ -50,49 +53,93 @@ class FluidState:
     steps: wp.array
     x_listed: wp.array
     stale: wp.array
+    u_before: np.ndarray
+    interval: float
 
     def arrays(self) -> dict[str, np.ndarray]:
         """Host copies of everything."""
-        return {item.name: getattr(self, item.name).numpy().copy() for item in fields(self)}
+        device = {name: getattr(self, name).numpy().copy() for name in _device_fields()}
+        return {**device, "u_before": self.u_before, "interval": np.array(self.interval)}
 
     def assign(self, arrays: dict[str, np.ndarray]) -> None:
-        """Take over arrays that `arrays` gave."""
-        for item in fields(self):
-            getattr(self, item.name).assign(arrays[item.name])
+        """Continue from arrays that `arrays` gave."""
+        for name in _device_fields():
+            getattr(self, name).assign(arrays[name])
+        self.u_before, self.interval = arrays["u_before"].copy(), float(arrays["interval"])
+
+    @property
+    def walls(self) -> int:
+        """Number of wall particles w."""
+        return len(self.x) - len(self.p)
+
+    @property
+    def now(self) -> float:
+        """Time on the host [s]."""
+        return float(self.time.numpy()[0])
+
+    def fluid_in_scene_order(self, values: np.ndarray) -> np.ndarray:
+        """Values of the fluid particles in the order of the scene, as float64, shape [m, ...]."""
+        ordered = np.empty(values.shape, float)
+        ordered[self.order.numpy()] = values
+        return ordered
+
+    def in_scene_order(self, array: wp.array) -> np.ndarray:
+        """Values of all particles in the order of the scene, as float64, shape [n, ...]."""
+        values, w = array.numpy(), self.walls
+        return np.concatenate((values[:w].astype(float), self.fluid_in_scene_order(values[w:])))
+
+    def sort(self, low: np.ndarray, cell: float) -> None:
+        """Put the fluid particles in the order of cells [m]: what is near in space is then near in memory.
+
+        Neighbour lists must be renewed afterwards.
+
+        Args:
+            low: Lowest corner of the domain [m], shape [d].
+            cell: Size of a cell [m].
+        """
+        w = self.walls
+        x = self.x.numpy()[w:].astype(float)
+        cells = np.floor((x - low) / cell).astype(np.int64)
+        new = np.lexsort((*x.T[::-1], *cells.T[::-1]))
+        for array in (self.order, self.p, self.n):
+            array.assign(array.numpy()[new])
+        for array in (self.x, self.u, self.lost):
+            values = array.numpy().copy()
+            values[w:] = values[w:][new]
+            array.assign(values)
 
 
-def initial_state(
-    particles: Particles, lists: NeighbourLists, n0: float, *, types: NumericTypes, device: Any
-) -> FluidState:
+def initial_state(model: FluidModel, neighbours: NeighbourLists) -> FluidState:
     """The state at the start of a run.
 
     Args:
-        particles: The particles, walls first.
-        lists: The neighbour lists.
-        n0: Number density of a full lattice.
-        types: Number types.
-        device: Warp device.
+        model: Constants of the run.
+        neighbours: Its neighbour lists.
     """
-    n, m = particles.count, particles.liquid
+    particles, types, device = model.particles, model.types, model.device
+    n, m, w = particles.count, model.count, max(model.walls, 1)
     vec64 = wp.types.vector(length=types.dimension, dtype=wp.float64)
-
-    def array(values: Any, kind: Any) -> wp.array:
-        return wp.array(values, dtype=kind, device=device)
-
     return FluidState(
-        x=array(particles.positions, types.vec),
-        u=array(particles.velocities, types.vec),
+        x=wp.array(particles.positions, dtype=types.vec, device=device),
+        u=wp.array(particles.velocities, dtype=types.vec, device=device),
         a=wp.zeros(n, dtype=types.vec, device=device),
         lost=wp.zeros(n, dtype=wp.int32, device=device),
-        order=array(np.arange(m), wp.int32),
+        order=wp.array(np.arange(m), dtype=wp.int32, device=device),
         p=wp.zeros(m, dtype=wp.float64, device=device),
-        n=wp.full(m, n0, dtype=types.real, device=device),
-        impulse=wp.zeros(max(n - m, 1), dtype=vec64, device=device),
-        work=wp.zeros(max(n - m, 1), dtype=wp.float64, device=device),
-        forces=wp.zeros(max(n - m, 1), dtype=vec64, device=device),
+        n=wp.full(m, model.operators.number_density, dtype=types.real, device=device),
+        impulse=wp.zeros(w, dtype=vec64, device=device),
+        work=wp.zeros(w, dtype=wp.float64, device=device),
+        forces=wp.zeros(w, dtype=vec64, device=device),
         fallen=wp.zeros(m, dtype=wp.float64, device=device),
         time=wp.zeros(1, dtype=wp.float64, device=device),
         steps=wp.zeros(1, dtype=wp.int32, device=device),
-        x_listed=lists.x_listed,
-        stale=lists.stale,
+        x_listed=neighbours.x_listed,
+        stale=neighbours.stale,
+        u_before=particles.velocities,
+        interval=math.inf,
     )
+
+
+def _device_fields() -> list[str]:
+    """Names of the fields that are arrays on the device."""
+    return [item.name for item in fields(FluidState) if item.name not in ("u_before", "interval")]

@@ -132,7 +132,8 @@ def _products(scene: Scene, particles: int) -> float:
 
 
 def _estimate_fluids(scene: Scene) -> Cost:
-    from warp_mps.fluid.limits import domain, step_limit
+    from warp_mps.fluid.domain import domain
+    from warp_mps.fluid.time_step import step_limit
 
     refuse_too_large(scene)  # for the fall of the particles, which says how long a step can be, they must be filled
     clock, filled = Clock(scene), fill_scene(scene)
@@ -157,8 +158,8 @@ def _estimate_fluids(scene: Scene) -> Cost:
 
 def _of_bodies(scene: Scene, particles: Particles) -> float:
     """Seconds that the elastic bodies take in a step of the water about them."""
-    from warp_mps.coupling.choice import stable_step, substep, takes_implicit_steps
-    from warp_mps.fluid.limits import longest_step
+    from warp_mps.coupling.integrator_choice import stable_step, substep, takes_implicit_steps
+    from warp_mps.fluid.time_step import longest_step
 
     if not scene.bodies:
         return 0.0
@@ -205,7 +206,7 @@ def memory_of(scene: Scene, particles: Mapping[str, int]) -> float:
 
 
 def _follows_implicitly(scene: Scene) -> bool:
-    from warp_mps.coupling.choice import takes_implicit_steps
+    from warp_mps.coupling.integrator_choice import takes_implicit_steps
 
     return takes_implicit_steps(scene)
 

@@ -247,7 +247,7 @@ def _closed(simulation: Simulation) -> list[str]:
     if not scene.fluids or scene.bodies or scene.flow.negative_pressure != "clipped":
         return []
     reason = "no free surface: a fluid that fills its walls needs negative pressures, and they are 'clipped'"
-    return [reason] * simulation.fluids.is_closed()
+    return [reason] * simulation.fluids.step.is_closed()
 
 
 def _say(message: str) -> None:

@@ -152,7 +152,7 @@ class Simulation:
         """
         from warp_mps.fluid.fluids import Fluids
 
-        made = getattr(self._system, "water", self._system)
+        made = getattr(self._system, "fluids", self._system)
         if not isinstance(made, Fluids):
             raise TypeError(f"the scene {self.scene.name!r} has no fluids")
         return made
@@ -186,7 +186,7 @@ class Simulation:
     def longest_step(self) -> tuple[float, float]:
         """The longest time step that may be taken, and what is stable [s]."""
         if self.scene.fluids:
-            limit = self.fluids.step_limit
+            limit = self.fluids.model.step_limit
             return min(self.scene.time_step or limit, limit), limit
         return self.clock.dt, self.clock.dt_limit
 

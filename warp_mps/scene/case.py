@@ -43,9 +43,10 @@ class Scene:
             with the load factor. The load factor stands for the time, from 0 to `duration`; 1 is all of them.
         load_steps: Increments in which a static load grows to all of it; each makes a frame and a row.
         integrator: ``explicit``, or ``implicit``: steps of any length by the theta rule, of `time_step` or those of the
-            water about the bodies. ``auto`` is explicit for bodies alone; in water see `warp_mps.coupling.choice`.
+            water about the bodies. ``auto`` is explicit for bodies alone; in water see
+            `warp_mps.coupling.integrator_choice`.
         theta: Theta of that rule: 0.5 keeps the energy, 1 damps most (`warp_mps.elastic.implicit.theta_rule`). Explicit
-            steps in water are damped as much (`warp_mps.coupling.choice`).
+            steps in water are damped as much (`warp_mps.coupling.integrator_choice`).
         courant: Time step in units of l0 / c_p, c_p the speed of pressure waves [-], and at most 0.9
             of what is stable for small deformations.
         stage: How the scene lies in its stage; None is the x-y plane, or x, y, z in 3-D, of a stage in SI units.

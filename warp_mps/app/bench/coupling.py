@@ -25,8 +25,14 @@ WAYS = ("explicit", "implicit")
 PLATE = Material(500.0, 1e9, 0.3)
 # longest steps of the water in an interval; numbers of warm-up and of measured intervals
 INTERVAL, WARM, MEASURED = 8.0, 2, 4
-# parts of a step by the launches of the fluid; the remainder is the coupling
-PARTS = {"plan": "fluid", "begin": "fluid", "end": "fluid", "project": "pressure"}
+# parts of a step by the names of their launches; the remainder is the coupling
+PARTS = {
+    "set time step": "fluid",
+    "predict": "fluid",
+    "correct": "fluid",
+    "solve pressure": "pressure",
+    "solve pressure again": "pressure",
+}
 COLUMNS = ("space", "fluid", "bodies", "steps of bodies", "precision", "ms a step", "passes", "iterations a solve")
 
 
@@ -74,7 +80,7 @@ def column(dimension: int, size: int, way: str) -> Scene:
         ("left", box([-thick, bottom, *low], [0.0, 0.0, *high])),
         ("right", box([width, bottom, *low], [width + thick, 0.0, *high])),
     ]
-    # the fall of a particle through the height, as that of `warp_mps.fluid.limits`
+    # the fall of a particle through the height, as that of `warp_mps.fluid.time_step`
     longest = Flow().courant / math.sqrt(2.0 * 9.81 * width)
     return Scene(
         name="bench", dimension=dimension, duration=1.0, gravity=(0.0, -9.81, 0.0)[:dimension],
@@ -92,10 +98,10 @@ def _measure(scene: Scene, precision: str, device: str) -> list[str]:
     system, p = simulation._system, simulation.particles
     assert isinstance(system, Hydroelastic)
     simulation.advance(WARM)
-    before, steps, passes = system.water.statistics(), simulation.steps_done, system.water.exchange.passes
+    before, steps, passes = system.fluids.statistics(), simulation.steps_done, system.step.statistics.passes
     seconds = min(_interval(simulation) for _ in range(MEASURED))
-    after = system.water.statistics()
-    done, passes = simulation.steps_done - steps, system.water.exchange.passes - passes
+    after = system.fluids.statistics()
+    done, passes = simulation.steps_done - steps, system.step.statistics.passes - passes
     return [
         f"{scene.dimension}-D",
         f"{p.liquid}",
@@ -132,13 +138,13 @@ def _shares(simulation: Simulation, system: Hydroelastic) -> str:
 
         return run
 
-    water, structure = system.water, system.structure
-    replay, advance = water._replay, structure.advance
-    water._replay = timed(lambda name, _: PARTS.get(name), replay)  # type: ignore[assignment]
+    step, structure = system.step, system.structure
+    replay, advance = step.replay, structure.advance
+    step.replay = timed(lambda name, _: PARTS.get(name), replay)  # type: ignore[assignment]
     structure.advance = timed(lambda _: "structure", advance)  # type: ignore[method-assign]
     begin = time.perf_counter()
     simulation.advance(1)
     whole = time.perf_counter() - begin
-    water._replay, structure.advance = replay, advance  # type: ignore[method-assign]
+    step.replay, structure.advance = replay, advance  # type: ignore[method-assign]
     times["exchange"] = whole - sum(times.values())
     return ", ".join(f"{name} {100.0 * value / whole:.0f} %" for name, value in times.items())

@@ -106,7 +106,7 @@ def _wall(name: str, low: Sequence[float], high: Sequence[float]) -> Wall:
 def _measure(scene: Scene, precision: str, device: str) -> list[str]:
     simulation = Simulation(scene, device=device, precision=precision)
     fluids, liquid = simulation.fluids, simulation.particles.liquid
-    fluids.advance(WARM_STEPS * fluids.step_limit)
+    fluids.advance(WARM_STEPS * fluids.model.step_limit)
     before = fluids.statistics()
     seconds = _seconds_a_step(simulation)
     after = fluids.statistics()
@@ -143,7 +143,7 @@ def _seconds_a_search(simulation: Simulation) -> float:
     fluids, best = simulation.fluids, float("inf")
     for _ in range(ROUNDS):
         begin = time.perf_counter()
-        fluids.lists.renew(fluids.state.x, fluids.state.lost)
+        fluids.step.renew_neighbours()
         simulation.synchronize()
         best = min(best, time.perf_counter() - begin)
     return best
@@ -152,7 +152,7 @@ def _seconds_a_search(simulation: Simulation) -> float:
 def _interval(simulation: Simulation, steps: int) -> tuple[float, int]:
     """Seconds and steps of an interval of so many of the longest steps."""
     fluids = simulation.fluids
-    end = fluids.time + steps * fluids.step_limit
+    end = fluids.time + steps * fluids.model.step_limit
     begin = time.perf_counter()
     done = fluids.advance(end)
     simulation.synchronize()
@@ -164,8 +164,8 @@ def _shares(simulation: Simulation) -> str:
     from warp_mps.core.replay import capture
 
     fluids = simulation.fluids
-    graphs = [(name, capture(launch, simulation.device)) for name, launch in fluids.phases]
-    fluids.aim(fluids.time + 1e3 * SHARED_STEPS * fluids.step_limit)
+    graphs = [(name, capture(launch, simulation.device)) for name, launch in fluids.step.phases]
+    fluids.step.time_step.set_target(fluids.time + 1e3 * SHARED_STEPS * fluids.model.step_limit)
     times: dict[str, float] = dict.fromkeys((name for name, _ in graphs if name != "rest"), 0.0) | {"rest": 0.0}
     for _ in range(SHARED_STEPS):
         for name, graph in graphs:

@@ -12,8 +12,8 @@ from tests.coupling.scenes import ALONE, IMPLICIT, WAYS, lump, pool, system_of
 from tests.fluid.scenes import L0
 from warp_mps.core.device import open_device
 from warp_mps.core.types import numeric_types
+from warp_mps.coupling.added_mass import LEAST, PASSES, STEPS, Mobility
 from warp_mps.coupling.hydroelastic import Hydroelastic
-from warp_mps.coupling.mobility import LEAST, PASSES, STEPS, Mobility
 from warp_mps.scene import Material, Scene, Support
 from warp_mps.shapes import Box
 
@@ -24,15 +24,15 @@ DT = 1e-3
 def measured(scene: Scene) -> tuple[Hydroelastic, np.ndarray]:
     """A system whose mobilities were measured in its first state, and those."""
     system = system_of(scene)
-    water = system.water
-    water._longest = DT
-    water.aim(1.0)
-    water._plan()
-    time = water._fit()
-    water._begin()
+    fluid = system.fluids.step
+    fluid.time_step.longest = DT
+    fluid.time_step.set_target(1.0)
+    fluid.set_time_step()
+    end = system.step.fit_time_step()
+    system.step.predict()
     system.structure.save()
-    water._probe(time)
-    return system, water.mobility.array.numpy().astype(float)
+    system.step.measure_mobility(end)
+    return system, system.step.mobility.array.numpy().astype(float)
 
 
 @pytest.mark.parametrize("way", WAYS)
@@ -43,12 +43,12 @@ def test_a_free_body_moves_as_a_whole(way: dict) -> None:
     water = scene.fluids[0]
     shape = replace(water.shape, positions=water.shape.positions[water.shape.positions[:, 1] > 5 * L0])
     system, found = measured(replace(scene, fluids=(replace(water, shape=shape),)))
-    forces = system.water._forces_of(np.ones(system.water._m))
-    mass = system._markers.masses.sum()
+    forces = system.step.robin.forces_of(np.ones(system.fluids.model.count))
+    mass = system.markers.masses.sum()
     uniform = float(np.sum(forces.sum(axis=0) ** 2) / (mass * np.sum(forces**2)))
     assert found.min() == found.max()
     assert found[0] == pytest.approx(uniform, rel=0.05)
-    assert found[0] < 1.0 / system._markers.masses[0]
+    assert found[0] < 1.0 / system.markers.masses[0]
 
 
 @pytest.mark.parametrize("way", WAYS)
@@ -56,13 +56,13 @@ def test_a_body_in_the_midst_of_water_is_moved_by_gradients(way: dict) -> None:
     """A uniform pressure only squeezes it."""
     scene = pool(lump([5, 4], [3, 3], material=STIFF), cells=(13, 11), **{**way, "contact": ALONE})
     system, found = measured(scene)
-    water, mass = system.water, system._markers.masses.sum()
-    x = water.state.x.numpy()[water._walls :]
+    fluids, mass = system.fluids, system.markers.masses.sum()
+    x = fluids.state.x.numpy()[fluids.model.walls :]
     bounds = []
     for values in (np.ones(len(x)), *(x - x.mean(axis=0)).T):
-        forces = water._forces_of(values)
+        forces = system.step.robin.forces_of(values)
         bounds.append(float(np.sum(forces.sum(axis=0) ** 2) / (mass * np.sum(forces**2))))
-    free = 1.0 / system._markers.masses[0]
+    free = 1.0 / system.markers.masses[0]
     assert bounds[0] < LEAST * free
     assert found[0] == pytest.approx(max(bounds), rel=0.2)
     assert found[0] > 20.0 * LEAST * free
@@ -71,7 +71,7 @@ def test_a_body_in_the_midst_of_water_is_moved_by_gradients(way: dict) -> None:
 def test_a_body_that_is_held_has_the_least() -> None:
     held = (Support(name="all", region=Box((10.0, 10.0))),)
     system, found = measured(pool(lump([2, 2], [4, 3]), cells=(8, 9), supports=held, **IMPLICIT))
-    np.testing.assert_allclose(found, LEAST / system._markers.masses)
+    np.testing.assert_allclose(found, LEAST / system.markers.masses)
 
 
 def of(*bodies: int) -> Mobility:
@@ -104,14 +104,14 @@ def test_nothing_wet_and_nothing_that_moves() -> None:
 
 def test_it_is_measured_when_it_may_have_changed() -> None:
     mobility = of(0)
-    assert mobility.due(DT)
-    found = [mobility.due(DT * factor) for factor in (1.0, 1.2, 0.8, 1.3, 1.3, 0.9)]
+    assert mobility.is_due(DT)
+    found = [mobility.is_due(DT * factor) for factor in (1.0, 1.2, 0.8, 1.3, 1.3, 0.9)]
     assert found == [False, False, False, True, False, True]
-    mobility.heed(PASSES)
-    assert not mobility.due(0.9 * DT)
-    mobility.heed(PASSES + 1)
-    assert mobility.due(0.9 * DT)
-    assert [mobility.due(0.9 * DT) for _ in range(STEPS)].index(True) == STEPS - 1
+    mobility.note_passes(PASSES)
+    assert not mobility.is_due(0.9 * DT)
+    mobility.note_passes(PASSES + 1)
+    assert mobility.is_due(0.9 * DT)
+    assert [mobility.is_due(0.9 * DT) for _ in range(STEPS)].index(True) == STEPS - 1
     other = of(0)
     other.assign(mobility.arrays())
-    assert not other.due(0.9 * DT)
+    assert not other.is_due(0.9 * DT)

@@ -9,7 +9,7 @@ AT_ODDS = 0.1
 
 
 @dataclass
-class ExchangeStatistics:
+class CouplingStatistics:
     """What the iterations did so far.
 
     Attributes:

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from warp_mps.coupling.record import ExchangeStatistics
+from warp_mps.coupling.statistics import CouplingStatistics
 
 
 def test_passes_and_residuals() -> None:
-    found = ExchangeStatistics()
+    found = CouplingStatistics()
     assert found.record()["passes"] == 0.0
     for passes, residual in ((2, 1e-4), (20, 0.3), (5, 1e-3)):
         found.add(passes, residual, agreed=residual < 0.1)

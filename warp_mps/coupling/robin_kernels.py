@@ -1,8 +1,8 @@
 """Kernels of the exchange between water and elastic bodies.
 
-The water sees a body as a wall of markers (`warp_mps.coupling.markers`). The pressure Poisson equation sees a marker j
-by its acceleration a_j alone (`warp_mps.fluid.pressure`): as -rho sum_j c a_j . x_ij on the right-hand side of a fluid
-particle i, c = laplacian * w; beside a flat face x_ij stands for x_ij - tilt_i, here and in what follows. How a_j
+The water sees a body as a wall of markers (`warp_mps.coupling.interface`). The pressure Poisson equation sees a marker
+j by its acceleration a_j alone (`warp_mps.fluid.pressure`): as -rho sum_j c a_j . x_ij on the right-hand side of a
+fluid particle i, c = laplacian * w; beside a flat face x_ij stands for x_ij - tilt_i, here and in what follows. How a_j
 answers to pressure is approximated by a mobility b_j, acceleration per force, with the forces V sum_l c p_l x_lj, which
 in a half-space are those of `warp_mps.fluid.gradient`: the matrix gets rho V sum_j b_j (c x_ij) . sum_l c p_l x_lj,
 symmetric and positive, and what it adds is gone where the iteration over both has converged (a Robin condition; Badia,

@@ -15,7 +15,7 @@ import numpy as np
 import warp as wp
 
 from warp_mps.core.types import NumericTypes
-from warp_mps.coupling.marker_kernels import marker_kernels
+from warp_mps.coupling.interface_kernels import marker_kernels
 from warp_mps.elastic.state import ElasticState
 from warp_mps.particles.particles import Particles
 
@@ -30,6 +30,7 @@ class Markers:
 
     Attributes:
         count: Number of markers.
+        of_particle: Marker of each elastic particle, shape [elastic].
         elastic: Number of elastic particles.
         particles: The particles of the scene with the markers in the place of the elastic ones.
         bodies: Index of the body of each marker, shape [count].
@@ -47,7 +48,7 @@ class Markers:
         of_particle = _cells(particles, spacing)
         members = np.argsort(of_particle, kind="stable")
         sizes = np.bincount(of_particle)
-        self._of_particle, self._sizes = of_particle, sizes
+        self.of_particle, self._sizes = of_particle, sizes
         self.count, self.elastic = len(sizes), particles.elastic
         first = np.concatenate(([0], np.cumsum(sizes)))
         self.particles = _gathered(particles, members, first, spacing)
@@ -61,25 +62,25 @@ class Markers:
         self._reference = array(particles.positions[: particles.elastic], vec64)
         self._mass = array(particles.masses[: particles.elastic], wp.float64)
 
-    def show(self, state: ElasticState, ahead: wp.array, x: wp.array, u: wp.array) -> None:
+    def transfer_motion(self, state: ElasticState, ahead: wp.array, x: wp.array, u: wp.array) -> None:
         """Write places and velocities, of now or of a time ahead [s]."""
         self._launch("show", [*self._rows, self._reference, ahead, state.u, state.v], [x, u])
 
-    def accelerate(self, dt: wp.array, before: wp.array, state: ElasticState, a: wp.array) -> None:
+    def find_accelerations(self, dt: wp.array, before: wp.array, state: ElasticState, a: wp.array) -> None:
         """Write the mean accelerations over a step that began with the velocities `before` of the particles."""
         self._launch("accelerate", [*self._rows, dt, before, state.v], [a])
 
-    def share(self, force: wp.array, external: wp.array) -> None:
+    def transfer_forces(self, force: wp.array, external: wp.array) -> None:
         """Write the forces on the particles, from those on the markers."""
         self._launch("share", [*self._rows, force], [external])
 
-    def receive(self, free: wp.array, inputs: list[wp.array], outputs: list[wp.array]) -> None:
+    def receive_collisions(self, free: wp.array, inputs: list[wp.array], outputs: list[wp.array]) -> None:
         """End a step for the particles: `inputs` and `outputs` are those of the kernel `receive`."""
         self._launch("receive", [*self._rows, self._mass, free, *inputs], outputs)
 
-    def shared(self, values: np.ndarray) -> np.ndarray:
+    def distribute(self, values: np.ndarray) -> np.ndarray:
         """Values of the markers shared evenly by their particles, shape [elastic, d]."""
-        return (values / self._sizes[:, None])[self._of_particle]
+        return (values / self._sizes[:, None])[self.of_particle]
 
     def _launch(self, name: str, inputs: list[Any], outputs: list[Any]) -> None:
         wp.launch(getattr(self._kernels, name), self.count, inputs, outputs, device=self._device)

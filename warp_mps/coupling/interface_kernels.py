@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import warp as wp
 
 from warp_mps.core.types import NumericTypes
-from warp_mps.coupling.exchange import METHOD
+from warp_mps.coupling.robin_kernels import METHOD
 
 
 @functools.cache

@@ -9,7 +9,7 @@ import pytest
 
 from tests.fluid.scenes import tank
 from warp_mps.errors import InputError
-from warp_mps.fluid.limits import domain
+from warp_mps.fluid.domain import domain
 from warp_mps.particles.filling import fill_scene
 from warp_mps.run.cost import estimate
 from warp_mps.run.simulation import Simulation
@@ -55,4 +55,4 @@ def test_by_default_there_is_most_room_against_gravity(gravity: tuple[float, ...
 def test_a_longer_step_than_the_limit_is_not_taken() -> None:
     simulation = Simulation(replace(tank((8, 8)), time_step=0.5))
     longest, limit = simulation.longest_step
-    assert longest == limit == simulation.fluids.step_limit
+    assert longest == limit == simulation.fluids.model.step_limit

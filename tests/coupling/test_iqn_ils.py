@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from warp_mps.coupling.quasi_newton import QuasiNewton
+from warp_mps.coupling.iqn_ils import QuasiNewton
 
 N = 12
 

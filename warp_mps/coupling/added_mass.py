@@ -9,7 +9,7 @@ import numpy as np
 import warp as wp
 
 from warp_mps.core.types import NumericTypes
-from warp_mps.coupling.markers import Markers
+from warp_mps.coupling.interface import Markers
 
 # steps after which it is measured anew, passes of a step that ask for it, and relative change of the step that does
 STEPS, PASSES, CHANGE = 100, 8, 0.25
@@ -41,7 +41,7 @@ class Mobility:
         self._dt = 0.0
         self._steps = STEPS
 
-    def due(self, dt: float) -> bool:
+    def is_due(self, dt: float) -> bool:
         """Count a step of a length [s], and say whether it should begin with a measurement."""
         self._steps += 1
         if self._steps > STEPS or abs(dt - self._dt) > CHANGE * self._dt:
@@ -49,8 +49,8 @@ class Mobility:
             return True
         return False
 
-    def heed(self, passes: int) -> None:
-        """Look at how many passes a step took."""
+    def note_passes(self, passes: int) -> None:
+        """Measure at the next step if a step took too many passes."""
         if passes > PASSES:
             self._steps = STEPS
 

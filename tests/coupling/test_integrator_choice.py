@@ -9,9 +9,9 @@ import pytest
 
 from tests.coupling.scenes import ALONE, EXPLICIT, IMPLICIT, SOFT, hung, lump, pool
 from tests.scenes import SPRINGS
-from warp_mps.coupling.choice import LEAST_SUBSTEPS, stable_step, substep, takes_implicit_steps
+from warp_mps.coupling.integrator_choice import LEAST_SUBSTEPS, stable_step, substep, takes_implicit_steps
 from warp_mps.elastic.explicit.time_step import SAFETY
-from warp_mps.fluid.limits import step_limit
+from warp_mps.fluid.time_step import step_limit
 from warp_mps.particles.filling import fill_scene
 from warp_mps.scene import Contact, Material, Scene
 

@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 
 from warp_mps.elastic.explicit.time_step import SAFETY, stable_limit
-from warp_mps.fluid.limits import longest_step
+from warp_mps.fluid.time_step import longest_step
 from warp_mps.particles.particles import Particles
 from warp_mps.scene import Scene
 from warp_mps.scene.validation.implicit import touches

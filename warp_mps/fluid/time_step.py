@@ -1,4 +1,4 @@
-"""How long a step of fluids may be, whether viscosity must be implicit in it, and where fluids are computed."""
+"""How long a time step of fluids may be, and whether viscosity must be implicit in it."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ import math
 
 import numpy as np
 
-from warp_mps.errors import InputError
 from warp_mps.particles.particles import Particles
 from warp_mps.scene import Scene
 
@@ -40,32 +39,3 @@ def longest_step(scene: Scene, particles: Particles) -> float:
     """Longest step that a fluid takes at its start: the scene's, where the limit is not shorter [s]."""
     limit, _ = step_limit(scene, particles)
     return min(limit, scene.time_step or limit)
-
-
-def domain(scene: Scene, particles: Particles) -> tuple[np.ndarray, np.ndarray]:
-    """Lowest and highest corner of what is computed [m]; by default the particles' box, and its size about it.
-
-    Against gravity it is twice the size: what is thrown up high comes back.
-
-    Raises:
-        InputError: The domain of the scene does not hold its fluids.
-    """
-    if scene.flow.domain is not None:
-        low, high = (np.asarray(corner, float) for corner in scene.flow.domain)
-        _holds(scene, particles.positions[particles.count - particles.liquid :], low, high)
-        return low, high
-    low, high = particles.positions.min(axis=0), particles.positions.max(axis=0)
-    margin = max(float((high - low).max()), 10.0 * scene.fluids[0].spacing)
-    gravity = np.asarray(scene.gravity if len(scene.gravity) else np.zeros(len(low)), float)
-    up = -gravity / (float(np.linalg.norm(gravity)) or 1.0)
-    return low - margin * (1.0 + np.maximum(-up, 0.0)), high + margin * (1.0 + np.maximum(up, 0.0))
-
-
-def _holds(scene: Scene, x: np.ndarray, low: np.ndarray, high: np.ndarray) -> None:
-    """Check that a domain holds particles, but for its periodic axes, along which they are carried into it."""
-    wraps = np.isin(np.arange(len(low)), scene.flow.periodic)
-    for name, outside in (("low", x < low), ("high", x > high)):
-        strays = np.flatnonzero((outside & ~wraps).any(axis=1))
-        if len(strays):
-            at = ", ".join(f"{c:.4g}" for c in x[strays[0]])
-            raise InputError(scene.path, f"flow.domain.{name}", f"leaves out fluid at ({at}) m")

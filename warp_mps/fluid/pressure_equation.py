@@ -1,0 +1,145 @@
+"""The pressure Poisson equation of a step: its room, its assembly, its solution, and bounds on the pressure."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import warp as wp
+
+from warp_mps.core.linear.conjugate_gradient import ConjugateGradient, Matrix, Product
+from warp_mps.core.multigrid.preconditioner import Multilevel
+from warp_mps.fluid.lists import NeighbourLists
+from warp_mps.fluid.model import FluidModel
+from warp_mps.fluid.planes import plane_kernels
+from warp_mps.fluid.pressure import CONSERVATIVE, pressure_kernels
+from warp_mps.fluid.state import FluidState
+
+# fluid particles that one thread goes through when the least pressure is sought
+CHUNK = 512
+MAX_ITERATIONS = 2000
+
+
+class PressureEquation:
+    """The pressure Poisson equation A p = b of m fluid particles, and what is found while it is assembled.
+
+    Attributes:
+        matrix: A; its arrays have room for as many entries a row as the neighbour lists have.
+        rhs: b, float64 [m].
+        surface: 1 for particles of the free surface, else 0, int32 [m].
+        density_scale: Factor of the density in gradients [-], see `warp_mps.fluid.pressure`, real [m].
+        normal: Unit normal of the wall's face that a particle is beside, else 0, vec [m].
+        depth: Distance from that face [m], 0 if there is none, real [m].
+        tilt: Offset of a particle's pair vectors to walls beside a face [m], see `warp_mps.fluid.pressure`, vec [m].
+        solver: What solves it.
+
+    Args:
+        model: Constants of the run.
+        state: What evolves.
+        neighbours: Neighbour lists.
+    """
+
+    def __init__(self, model: FluidModel, state: FluidState, neighbours: NeighbourLists) -> None:
+        self._model, self._state, self._neighbours = model, state, neighbours
+        types, m = model.types, model.count
+        self._kernels, self._plane_kernels = pressure_kernels(types), plane_kernels(types)
+        self.matrix = Matrix(
+            rows=wp.array([m], dtype=wp.int32, device=model.device),
+            first=self._zeros(m, wp.int32),
+            count=self._zeros(m, wp.int32),
+            index=self._zeros(m * neighbours.listed.shape[1], wp.int32),
+            value=self._zeros(m * neighbours.listed.shape[1], types.real),
+            diagonal=self._zeros(m, types.real),
+            active=self._zeros(m, wp.int32),
+            singular=self._zeros(1, wp.int32),
+        )
+        self.rhs, self.surface = self._zeros(m, wp.float64), self._zeros(m, wp.int32)
+        self.density_scale = wp.ones(m, dtype=types.real, device=model.device)
+        self.normal, self.depth = self._zeros(m, types.vec), self._zeros(m, types.real)
+        self.tilt = self._zeros(m, types.vec)
+        self.solver = ConjugateGradient(
+            m,
+            types=types,
+            device=model.device,
+            tolerance=model.tolerance,
+            max_iterations=MAX_ITERATIONS,
+            preconditioner=_preconditioner(model, state),
+        )
+        self._least = self._zeros(-(-m // CHUNK), wp.float64)
+        self._not_singular = self._zeros(1, wp.int32)
+
+    def resize(self) -> None:
+        """Give the rows the room that the neighbour lists have."""
+        room = self._model.count * self._neighbours.listed.shape[1]
+        index, value = self._zeros(room, wp.int32), self._zeros(room, self._model.types.real)
+        self.matrix = self.matrix._replace(index=index, value=value)
+
+    def assemble(self, dt: wp.array) -> None:
+        """Launch the assembly for a time step [s], float64 [1]."""
+        model, state, ops, matrix, lists = (
+            self._model,
+            self._state,
+            self._model.operators,
+            self.matrix,
+            self._neighbours,
+        )
+        assert matrix.singular is not None
+        matrix.singular.fill_(1)
+        self.find_planes()
+        inputs = [
+            model.walls, model.scheme, lists.period, ops.radius, model.spacing, ops.number_density,
+            float(ops.neighbours), ops.divergence, ops.laplacian, model.gradient_factor, model.density,
+            model.gravity_vector, *ops.beyond, model.relaxation_time, lists.listed, lists.count, dt, state.x, state.u,
+            state.a, state.p, self.normal, self.depth,
+        ]  # fmt: skip
+        rows = [matrix.first, matrix.count, matrix.index, matrix.value, matrix.diagonal, matrix.active]
+        outputs = [state.n, self.density_scale, *rows, self.rhs, self.surface, self.tilt, matrix.singular]
+        model.launch(self._kernels.assemble, model.count, inputs, outputs)
+
+    def find_planes(self) -> None:
+        """Launch the search for the faces of walls that fluid particles are beside, where the scheme mirrors there."""
+        model, lists = self._model, self._neighbours
+        if model.scheme == CONSERVATIVE:
+            inputs = [model.walls, lists.period, model.operators.radius, model.spacing, lists.listed, lists.count]
+            outputs = [self.normal, self.depth]
+            model.launch(self._plane_kernels.find_planes, model.count, [*inputs, self._state.x], outputs)
+
+    def solve(self) -> None:
+        """Launch the solve from the last pressures, and clip negative ones or make the least of a closed fluid 0."""
+        self.solver.solve(self.matrix, self.rhs, self._state.p)
+        self._bound(self.matrix.singular)
+
+    def solve_with(self, product: Product, *, same: bool) -> None:
+        """Launch the solve of a fluid with a free surface, with more in the matrix than its rows hold.
+
+        Args:
+            product: Adds to the product with the matrix; `rest` of `ConjugateGradient.solve`.
+            same: Whether the matrix is that of the last solve, so that the preconditioner is reused.
+        """
+        matrix = self.matrix._replace(singular=None)
+        self.solver.solve(matrix, self.rhs, self._state.p, rest=product, same=same)
+        self._bound(self._not_singular)
+
+    def _bound(self, singular: wp.array | None) -> None:
+        """Clip negative pressures, or make the least pressure 0 where constants are in the null space."""
+        model, p = self._model, self._state.p
+        model.launch(self._kernels.least, len(self._least), [CHUNK, p], [self._least])
+        model.launch(self._kernels.lift, model.count, [model.clip, singular, self._least], [p])
+
+    def _zeros(self, length: int, kind: Any) -> wp.array:
+        return wp.zeros(length, dtype=kind, device=self._model.device)
+
+
+def _preconditioner(model: FluidModel, state: FluidState) -> Multilevel:
+    """A multilevel preconditioner over the box of the particles, along periodic axes over the domain."""
+    x = model.particles.positions
+    wraps = np.isin(np.arange(model.types.dimension), model.periodic)
+    return Multilevel(
+        state.x[model.walls :],
+        low=np.where(wraps, model.low, np.maximum(x.min(axis=0), model.low)),
+        high=np.where(wraps, model.high, np.minimum(x.max(axis=0), model.high)),
+        reach=model.operators.radius,
+        types=model.types,
+        device=model.device,
+        periodic=model.periodic,
+    )

@@ -1,0 +1,229 @@
+"""A time step of the semi-implicit MPS method, phase by phase.
+
+A step predicts velocities and positions without the pressure, solves the pressure Poisson equation for the pressure
+that keeps the density, and corrects both by its gradient (Koshizuka and Oka 1996):
+
+    u* = u + dt (nu lap u + g),  x* = x + dt u*
+    lap p = rho/dt div u* + density error
+    u  = u* - dt grad p / rho,   x = x* + dt (u - u*)
+
+References:
+    Koshizuka, S. and Oka, Y., Nuclear Science and Engineering 123 (1996) 421.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import warp as wp
+
+from warp_mps.core.linear.conjugate_gradient import ConjugateGradient
+from warp_mps.core.replay import Replay
+from warp_mps.fluid.adaptive_step import AdaptiveTimeStep
+from warp_mps.fluid.lists import NeighbourLists, even_neighbours
+from warp_mps.fluid.model import FluidModel
+from warp_mps.fluid.motion import motion_kernels
+from warp_mps.fluid.pressure_equation import PressureEquation
+from warp_mps.fluid.pressure_forces import PressureForces
+from warp_mps.fluid.state import initial_state
+from warp_mps.fluid.viscous import ImplicitViscosity
+from warp_mps.fluid.wall_motion import WallMotion
+from warp_mps.scene import Scene
+
+
+class FluidStep:
+    """The phases of a time step, and the arrays that they work in.
+
+    A phase is the same Python whether it is run eagerly or captured in a graph: it reads nothing back from the device
+    and allocates nothing.
+
+    Attributes:
+        model: Constants of the run.
+        state: What evolves.
+        neighbours: Neighbour lists.
+        time_step: Length of the step, found on the device.
+        wall_motion: Prescribed motion of the walls.
+        pressure: Pressure Poisson equation.
+        forces: Forces of the pressure.
+        implicit_viscosity: What solves for viscous velocities, None if viscosity is explicit.
+        viscous_acceleration: Viscous accelerations, of wall particles the reaction's [m/s^2], vec [n].
+        mirror_velocity: Velocities that viscosity sees in walls [m/s], vec [w].
+        velocity_change: Last change of velocity of fluid particles, by pressure or collisions [m/s], vec [m].
+        shift: Shifts of fluid particles [m], vec [m].
+        replay: Replays launches under a name; forgets them when arrays are replaced.
+
+    Args:
+        scene: The case.
+        model: Constants of the run.
+        graphs: Whether steps are replayed as graphs.
+    """
+
+    def __init__(self, scene: Scene, model: FluidModel, *, graphs: bool = True) -> None:
+        self.model, types, device = model, model.types, model.device
+        d, n, w, m = types.dimension, model.particles.count, model.walls, model.count
+        self.neighbours = NeighbourLists(
+            n, walls=w, low=model.low, high=model.high, periodic=model.periodic, radius=model.operators.radius,
+            spacing=model.spacing, neighbours=even_neighbours(d, scene.flow.radius(d)), types=types, device=device,
+        )  # fmt: skip
+        self.state = initial_state(model, self.neighbours)
+        self.time_step = AdaptiveTimeStep(model, self.state)
+        self.wall_motion = WallMotion(scene, model, self.state)
+        self.pressure = PressureEquation(model, self.state, self.neighbours)
+        self.forces = PressureForces(model, self.state, self.neighbours, self.pressure)
+        self.implicit_viscosity = (
+            ImplicitViscosity(n, w, self.pressure.matrix, types=types, device=device)
+            if model.implicit_viscosity
+            else None
+        )
+        self.viscous_acceleration = wp.zeros(n, dtype=types.vec, device=device)
+        self.mirror_velocity = wp.zeros(max(w, 1), dtype=types.vec, device=device)
+        self.velocity_change, self.shift = (wp.zeros(m, dtype=types.vec, device=device) for _ in range(2))
+        self.replay = Replay(device=device, graphs=graphs)
+        self._kernels = motion_kernels(types)
+
+    @property
+    def phases(self) -> tuple[tuple[str, Callable[[], None]], ...]:
+        """The phases of a step in their order: a name, and what launches it."""
+        return (
+            ("rest", self.set_time_step),
+            ("viscosity", self.apply_viscosity),
+            ("rest", self.predict),
+            ("search", self.update_neighbours),
+            ("assembly", self.assemble),
+            ("pressure solve", self.solve_pressure),
+            ("forces", self.correct),
+            ("collisions", self.collide),
+            ("rest", self.advance_clock),
+        )
+
+    def take(self) -> None:
+        """Take a step towards the target time, as one graph."""
+        self.replay("step", self.launch)
+
+    def launch(self) -> None:
+        """Launch the phases of a step one by one."""
+        for _, launch in self.phases:
+            launch()
+
+    def set_time_step(self) -> None:
+        """Choose the time step by the CFL condition."""
+        self.time_step.choose()
+
+    def apply_viscosity(self) -> None:
+        """Find viscous accelerations nu lap u, with implicit viscosity of the velocities at the end of the step."""
+        model, state, lists = self.model, self.state, self.neighbours
+        if model.viscosity == 0.0:
+            return
+        w, radius = model.walls, model.operators.radius
+        tail = [model.no_slip, lists.listed, lists.count]
+        inputs = [lists.period, radius, *tail, state.x, state.u, state.lost]
+        model.launch(self._kernels.mirror, w, inputs, [self.mirror_velocity])
+        head, u = [w, lists.period, radius, model.viscosity * model.operators.laplacian], state.u
+        if self.implicit_viscosity:
+            now = [self.time_step.dt, state.x, u, state.lost, self.mirror_velocity]
+            self.implicit_viscosity.solve([*head, model.gravity_vector, *tail], now, u)
+            u = self.implicit_viscosity.u
+        inputs = [*head, *tail, state.x, u, state.lost, self.mirror_velocity]
+        model.launch(self._kernels.viscosity, len(state.x), inputs, [self.viscous_acceleration])
+
+    def predict(self) -> None:
+        """Predict velocities and positions u*, x* without the pressure, and move the walls to the end of the step."""
+        model, state = self.model, self.state
+        inputs = [model.walls, model.gravity_vector, model.mass, self.time_step.dt, self.viscous_acceleration]
+        outputs = [state.x, state.u, state.impulse, state.work]
+        model.launch(self._kernels.predict, len(state.x), [*inputs, state.lost], outputs)
+        self.wall_motion.place(self.time_step.end)
+
+    def update_neighbours(self) -> None:
+        """Renew the neighbour lists if a particle has moved by half of their margin."""
+        self.neighbours.update(self.state.x, self.state.lost)
+
+    def assemble(self) -> None:
+        """Assemble the pressure Poisson equation."""
+        self.pressure.assemble(self.time_step.dt)
+
+    def solve_pressure(self) -> None:
+        """Solve for the pressure, and find its slopes along walls."""
+        self.pressure.solve()
+        self.forces.find_slopes()
+
+    def correct(self) -> None:
+        """Correct velocities and positions by the gradient of the pressure, and sum up its impulse on the walls."""
+        model, state, dt = self.model, self.state, self.time_step.dt
+        self.forces.accelerate(dt, self.velocity_change)
+        self.forces.push_walls(model.walls, dt, state.impulse, state.work)
+        inputs = [model.walls, dt, self.velocity_change]
+        model.launch(self._kernels.apply, model.count, inputs, [state.x, state.u])
+
+    def collide(self) -> None:
+        """Shift particles, let those that come too close collide, and mark those that have left the domain."""
+        model, state, lists, kernels = self.model, self.state, self.neighbours, self._kernels
+        w, m, period, spacing, dt = model.walls, model.count, lists.period, model.spacing, self.time_step.dt
+        listed = [lists.listed, lists.count]
+        if model.shifting:
+            inputs = [w, period, model.operators.radius, spacing, model.operators.number_density, *listed, state.x]
+            inputs += [self.time_step.displacement, self.pressure.surface]
+            model.launch(kernels.move_apart, m, inputs, [self.shift])
+        tail = [model.collision_share, *listed, state.x, state.u]
+        inputs = [w, period, spacing, model.collision_distance, *tail, self.shift]
+        model.launch(kernels.collide, m, inputs, [self.velocity_change])
+        model.launch(kernels.collide_walls, w, [period, spacing, model.mass, *tail], [state.impulse, state.work])
+        low, high = model.types.vec(*model.low), model.types.vec(*model.high)
+        inputs = [w, low, high, period, model.gravity_vector, dt, self.velocity_change, self.shift]
+        model.launch(kernels.finish, m, inputs, [state.x, state.u, state.lost, state.stale, state.fallen])
+
+    def advance_clock(self) -> None:
+        """End the step: advance the time, and count the step."""
+        self.time_step.advance_clock()
+
+    def renew_neighbours(self) -> None:
+        """Renew the neighbour lists, whether or not they are stale."""
+        self.neighbours.renew(self.state.x, self.state.lost)
+
+    def grow_neighbours(self) -> None:
+        """Give neighbour lists, and the rows of the equations, more room where particles crowd."""
+        lists = self.neighbours
+        if not (lists.crowded() and lists.can_grow):
+            return
+        while lists.crowded() and lists.can_grow:
+            lists.grow()
+            self.renew_neighbours()
+        self.pressure.resize()
+        if self.implicit_viscosity:
+            self.implicit_viscosity.use(self.pressure.matrix)
+        self.replay.forget()
+
+    def sort_particles(self) -> None:
+        """Put the fluid particles in the order of cells."""
+        self.state.sort(self.model.low, 2.0 * self.model.operators.radius)
+        self.renew_neighbours()
+
+    def is_closed(self) -> bool:
+        """Whether the fluid has no free surface now."""
+        shown = wp.clone(self.state.n)
+        self.time_step.dt.fill_(self.time_step.longest)
+        self.assemble()
+        wp.copy(self.state.n, shown)
+        assert self.pressure.matrix.singular is not None
+        return bool(self.pressure.matrix.singular.numpy()[0])
+
+    def assign(self, arrays: dict[str, np.ndarray]) -> None:
+        """Continue from arrays that `FluidState.arrays` gave: the lists are made where they were made then."""
+        state = self.state
+        state.assign({**arrays, "x": arrays["x_listed"]})
+        self.renew_neighbours()
+        self.grow_neighbours()
+        state.x.assign(arrays["x"])
+        state.stale.assign(arrays["stale"])
+        self.wall_motion.place(state.time)
+
+    @property
+    def solvers(self) -> dict[str, ConjugateGradient]:
+        """The solvers of a step, by what they solve for."""
+        viscous = {"velocities": self.implicit_viscosity.solver} if self.implicit_viscosity else {}
+        return {"pressures": self.pressure.solver, **viscous}
+
+    def count_unsolved(self) -> int:
+        """Number of solves so far that ended above their tolerance."""
+        return sum(solver.count_unsolved() for solver in self.solvers.values())
