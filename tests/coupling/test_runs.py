@@ -11,7 +11,7 @@ import pytest
 from tests.bits import assert_restored_goes_on, assert_same_bits, states
 from tests.coupling.scenes import EXPLICIT, IMPLICIT, RUBBING, WAYS, afloat, busy, hung
 from tests.fluid.scenes import KINDS, L0
-from warp_mps.coupling import mobility
+from warp_mps.coupling import added_mass
 from warp_mps.fluid import time_loop
 from warp_mps.results.history import read_history
 from warp_mps.run.run import run_scene
@@ -38,7 +38,7 @@ def test_graphs_and_kernels_give_the_same_bits_and_the_same_run_twice(
 def test_a_restored_run_goes_on_to_the_same_bits(way: dict, monkeypatch: pytest.MonkeyPatch) -> None:
     """While particles are sorted, steps change their length, and mobilities are measured anew."""
     monkeypatch.setattr(time_loop, "SORT_EVERY", 25)
-    monkeypatch.setattr(mobility, "STEPS", 15)
+    monkeypatch.setattr(added_mass, "STEPS", 15)
     scene = busy(**way)
     for first, rest in ((1, 4), (8, 6)):
         assert_restored_goes_on(scene, first, rest)

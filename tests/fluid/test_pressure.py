@@ -300,7 +300,7 @@ def test_the_divergence_of_a_linear_velocity_is_exact_in_disorder(dimension: int
     for g in (np.zeros_like(gradient), gradient, gradient - gradient.T):
         fluids.state.u.assign(fluids.state.x.numpy() @ g.T)
         fluids.state.p.zero_()
-        rhs.append(assembled(fluids)._rhs.numpy().copy())
+        rhs.append(assembled(fluids).step.pressure.rhs.numpy().copy())
     x = fluids.state.x.numpy()
     inside = np.all((x > L0) & (x < (np.array(cells) - 1) * L0), axis=1)
     np.testing.assert_allclose((rhs[0] - rhs[1])[inside], RHO * np.trace(gradient) / DT, rtol=1e-9)
@@ -330,7 +330,7 @@ def test_the_source_restores_the_density(scheme: str, scale: float, sign: int) -
     x[:] = x[middle] + scale * (x - x[middle])
     fluids.state.x.assign(x)
     fluids.step.renew_neighbours()
-    rhs = assembled(fluids)._rhs.numpy()[middle - walls_of(fluids)]
+    rhs = assembled(fluids).step.pressure.rhs.numpy()[middle - walls_of(fluids)]
     unit = RHO / (DT * fluids.model.relaxation_time)
     assert np.sign(rhs if abs(rhs) > 1e-9 * unit else 0.0) == sign
 
