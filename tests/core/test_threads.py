@@ -27,7 +27,7 @@ def threads() -> Iterator[list[threading.Thread]]:
         yield started
     gc.collect()
     for thread in started:
-        thread.join(timeout=10.0)
+        thread.join(timeout=60.0)
     assert started
     assert set(threading.enumerate()) <= before
 

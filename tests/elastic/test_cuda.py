@@ -14,6 +14,7 @@ from warp_mps.elastic.implicit.kernels import KERNELS as IMPLICIT
 from warp_mps.elastic.implicit.kernels import declare_implicit
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("precision", PRECISIONS)
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_every_kernel_compiles_for_cuda(dimension: int, precision: str, tmp_path: Path) -> None:
@@ -27,6 +28,7 @@ def test_every_kernel_compiles_for_cuda(dimension: int, precision: str, tmp_path
     assert missing == []
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("precision", PRECISIONS)
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_every_implicit_kernel_compiles_for_cuda(dimension: int, precision: str, tmp_path: Path) -> None:

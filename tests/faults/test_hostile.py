@@ -16,6 +16,7 @@ from tests.faults.worker import RESIDENT, Ending, Worker
 EACH = 3
 
 
+@pytest.mark.long
 def test_malformed_stages_are_refused_in_a_line_or_are_cases() -> None:
     outcomes = list(hostile.campaign(EACH * len(hostile.KINDS), seed=1, leave_out=("crowd of references",)))
     assert [outcome for outcome in outcomes if outcome.fault] == []
@@ -50,8 +51,8 @@ def test_the_watchdog_ends_what_hangs_and_begins_anew(tmp_path: Path) -> None:
         assert worker.run(["check", "beam_first_mode"]).err == "hangs"
     with Worker() as worker:
         assert worker.run(["check", "nothing"]).code == 2
-        assert worker._process is not None
-        worker._process.kill()
-        worker._process.wait()
+        assert worker.process is not None
+        worker.process.kill()
+        worker.process.wait()
         assert worker.run(["check", "nothing"]).err == "the process died: exit -9"
         assert worker.run(["list"]).code == 0

@@ -23,8 +23,12 @@ from pathlib import Path
 MEMORY = 6 * 2**30
 # resident memory above which a command has failed [bytes]
 RESIDENT = 3 * 2**30
-# how much longer a run may take, which may be the first one of its kind [s]
+# how much more processor time a run may take, which may be the first one of its kind [s]
 COMPILING = 120.0
+# wall time in units of processor time after which a command hangs
+IDLENESS = 10.0
+# how often the processor time of a command is looked at [s]
+INTERVAL = 0.5
 
 
 @dataclass(frozen=True)
@@ -50,16 +54,17 @@ class Worker:
     """Runs commands one by one, in a process that is started anew when it had to be killed.
 
     Args:
-        patience: How long a command may take [s]; a run longer by `COMPILING`.
+        patience: Processor time that a command may take [s]; a run takes up to `COMPILING` more. Waiting counts for
+            one part in `IDLENESS`, since a busy machine lets a process wait, but a command that only waits also hangs.
     """
 
     def __init__(self, patience: float = 10.0) -> None:
         self._patience = patience
-        self._process: subprocess.Popen | None = None
+        self.process: subprocess.Popen | None = None
 
     def run(self, arguments: Sequence[str]) -> Ending:
         """Run ``warp-mps`` with some arguments."""
-        process = self._process = self._process or self._start()
+        process = self.process = self.process or self._start()
         assert process.stdin is not None
         assert process.stdout is not None
         with contextlib.suppress(BrokenPipeError):
@@ -67,7 +72,7 @@ class Worker:
             process.stdin.flush()
         begin = time.monotonic()
         patience = self._patience + (COMPILING if arguments[0] == "run" else 0.0)
-        ready, _, _ = select.select([process.stdout], [], [], patience)
+        ready = _answers(process, patience)
         answer = process.stdout.readline() if ready else ""
         if answer:
             return Ending(**json.loads(answer))
@@ -77,11 +82,11 @@ class Worker:
 
     def close(self) -> None:
         """End the process."""
-        if self._process is not None:
-            self._process.kill()
+        if self.process is not None:
+            self.process.kill()
             with contextlib.suppress(BrokenPipeError):
-                self._process.communicate()
-            self._process = None
+                self.process.communicate()
+            self.process = None
 
     def __enter__(self) -> Worker:
         return self
@@ -98,6 +103,24 @@ class Worker:
         assert process.stdout is not None
         process.stdout.readline()  # it says when it is there
         return process
+
+
+def _answers(process: subprocess.Popen, patience: float) -> bool:
+    """Whether a process prints something, or ends, before it has used up its time."""
+    begin, begun = time.monotonic(), _processor_time(process.pid)
+    while True:
+        left = IDLENESS * patience - (time.monotonic() - begin)
+        ready, _, _ = select.select([process.stdout], [], [], max(min(left, INTERVAL), 0.0))
+        if ready:
+            return True
+        if left <= 0.0 or _processor_time(process.pid) - begun > patience:
+            return False
+
+
+def _processor_time(pid: int) -> float:
+    """Processor time of a process and of its children that have ended [s]."""
+    fields = Path(f"/proc/{pid}/stat").read_text(encoding="ascii").rpartition(")")[2].split()
+    return sum(map(int, fields[11:15])) / os.sysconf("SC_CLK_TCK")
 
 
 def serve() -> None:

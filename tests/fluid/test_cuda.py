@@ -18,6 +18,7 @@ from warp_mps.fluid.viscous import viscous_kernels
 from warp_mps.fluid.volumes import volume_kernels
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("precision", PRECISIONS)
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_every_kernel_compiles_for_cuda(dimension: int, precision: str, tmp_path: Path) -> None:

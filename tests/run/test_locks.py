@@ -53,7 +53,7 @@ def test_a_second_run_into_a_folder_is_refused(
 
 def test_a_killed_process_leaves_no_lock(holder: subprocess.Popen, tmp_path: Path) -> None:
     os.kill(holder.pid, signal.SIGKILL)
-    holder.wait(timeout=30)
+    holder.wait(timeout=300)
     assert (tmp_path / "out" / NAME).exists()
     with lock_folder(tmp_path / "out"):
         assert (tmp_path / "out" / NAME).read_text() == str(os.getpid())

@@ -6,6 +6,7 @@ import gc
 import os
 import signal
 import threading
+import time
 from collections.abc import Callable
 from types import SimpleNamespace
 from typing import Any
@@ -115,13 +116,22 @@ def energy_at(scene: Scene, precision: str, steps: int) -> object:
     return simulation.energy
 
 
+def interrupt_after_a_block(simulation: Simulation) -> None:
+    """Send Ctrl-C to this process once a simulation, in another thread, has advanced by a block of steps."""
+    first = simulation.step
+    while simulation.step < first + BLOCK:
+        time.sleep(0.001)
+    os.kill(os.getpid(), signal.SIGINT)
+
+
+@pytest.mark.usefixtures("interruptible")
 @pytest.mark.parametrize("options", [{}, {"graphs": False}, {"threads": 2}, {"threads": 3}])
 def test_an_interrupted_run_is_at_the_step_that_it_says_and_goes_on(options: dict) -> None:
     scene = everything(2)
     interrupted, clean = Simulation(scene, **options), Simulation(scene)
     interrupted.advance(1)
     saved = interrupted.state_arrays()
-    threading.Timer(0.05, os.kill, (os.getpid(), signal.SIGINT)).start()
+    threading.Thread(target=interrupt_after_a_block, args=(interrupted,), daemon=True).start()
     with pytest.raises(KeyboardInterrupt):
         interrupted.advance(10**9)
     assert interrupted.step > 1
@@ -167,7 +177,7 @@ def test_threads_end_with_the_simulation() -> None:
     simulations.clear()
     gc.collect()
     for thread in started:
-        thread.join(timeout=10.0)
+        thread.join(timeout=60.0)
     assert not any(thread.is_alive() for thread in started)
 
 

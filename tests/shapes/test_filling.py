@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from time import perf_counter
+from time import process_time
 
 import numpy as np
 import pytest
@@ -169,9 +169,9 @@ def test_count_of_more_particles_than_memory_holds() -> None:
     assert particle_count(Box((1, 1, 1)), 1e-7, 3) == 10**21
 
 
-def test_a_large_mesh_takes_seconds() -> None:
+def test_a_large_mesh_takes_seconds_of_processor_time() -> None:
     points, triangles = icosphere(5, 0.5)
     assert len(triangles) == 20480
-    begin = perf_counter()
+    begin = process_time()
     assert len(fill(Mesh(points, triangles), 0.0172, 3)) > 1e5
-    assert perf_counter() - begin < 10.0
+    assert process_time() - begin < 10.0

@@ -199,6 +199,7 @@ def run_case(name: str, folder: Path) -> RunSummary:
 
 
 @pytest.mark.validation
+@pytest.mark.long
 @pytest.mark.parametrize("name", TOLERANCES)
 def test_results_lie_within_their_tolerances(name: str, tmp_path: Path) -> None:
     tolerances, drift = TOLERANCES[name]
@@ -213,6 +214,7 @@ def test_results_lie_within_their_tolerances(name: str, tmp_path: Path) -> None:
 
 
 @pytest.mark.validation
+@pytest.mark.long
 @pytest.mark.parametrize(
     "name", [pytest.param(name, marks=pytest.mark.slow) if name in SLOW else name for name in FLUID_TOLERANCES]
 )
@@ -228,6 +230,7 @@ def test_results_of_fluids_lie_within_their_tolerances(name: str, tmp_path: Path
 
 
 @pytest.mark.validation
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.parametrize("name", COUPLED_TOLERANCES)
 def test_results_of_coupled_cases_lie_within_their_tolerances(name: str, tmp_path: Path) -> None:
@@ -240,6 +243,7 @@ def test_results_of_coupled_cases_lie_within_their_tolerances(name: str, tmp_pat
 
 
 @pytest.mark.validation
+@pytest.mark.long
 def test_the_block_is_thrown_back_turning(tmp_path: Path) -> None:
     """The paper's figure 6 in numbers: it rises again, turns, and carries what the base gave it."""
     summary = run_case("block_on_elastic_base", tmp_path)
@@ -253,6 +257,7 @@ def test_the_block_is_thrown_back_turning(tmp_path: Path) -> None:
 
 
 @pytest.mark.validation
+@pytest.mark.long
 def test_the_ball_leaves_straight_upwards(tmp_path: Path) -> None:
     """Though its lattice is shifted against the floor's; friction takes a thousandth of its energy, and adds none."""
     summary = run_case("rubber_drop_3d", tmp_path)
@@ -266,6 +271,7 @@ def test_the_ball_leaves_straight_upwards(tmp_path: Path) -> None:
 
 
 @pytest.mark.validation
+@pytest.mark.long
 def test_the_column_swings_in_the_period_of_a_small_twist(tmp_path: Path) -> None:
     """As its stage says; energy is kept through the greatest turn and back."""
     scene = read_stage(shipped_cases()["twisting_column_3d"])

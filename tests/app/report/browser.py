@@ -14,7 +14,7 @@ from typing import Any
 
 NAMES = ("chromium", "chromium-browser", "google-chrome", "chrome")
 # seconds until the browser is given up
-PATIENCE = 60.0
+PATIENCE = 240.0
 OPTIONS = (
     "--headless=new",
     "--no-sandbox",

@@ -305,6 +305,7 @@ def test_sums_of_chunks_leave_nothing_out(n: int) -> None:
     np.testing.assert_array_equal(sums.numpy()[0], [a @ b, a @ c])
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("precision", ["float64", "float32"])
 def test_every_kernel_compiles_for_cuda(precision: str, tmp_path: Path) -> None:
     numbers = numeric_types(2, precision)

@@ -312,6 +312,7 @@ def test_moving_particles_are_followed() -> None:
     assert statistics.iterations == expected.iterations
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("precision", ["float64", "float32"])
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_every_kernel_compiles_for_cuda(dimension: int, precision: str, tmp_path: Path) -> None:

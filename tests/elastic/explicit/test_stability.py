@@ -32,7 +32,7 @@ def stable_step(scene: Scene) -> float:
 
 
 @pytest.mark.parametrize("normalization", ["lattice", "particle"])
-@pytest.mark.parametrize("radius", [1.5, 2.1, 3.1])
+@pytest.mark.parametrize("radius", [1.5, 2.1, pytest.param(3.1, marks=pytest.mark.long)])
 @pytest.mark.parametrize("nu", [-0.5, 0.0, 0.3, 0.48])
 @pytest.mark.parametrize(("dimension", "plane"), [(2, "stress"), (2, "strain"), (3, "strain")])
 def test_the_limit_and_the_default_are_below_what_is_stable(

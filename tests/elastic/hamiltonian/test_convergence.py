@@ -65,7 +65,7 @@ def orders(layers: tuple[int, ...], *, radius: float = 1.5, control: float = 0.5
     return found
 
 
-@pytest.mark.parametrize("control", [0.65, 0.7])
+@pytest.mark.parametrize("control", [pytest.param(0.65, marks=pytest.mark.long), 0.7])
 def test_with_more_control_the_order_is_two_from_8_particles_on(control: float) -> None:
     """All four modes; and the errors are below 1 % at 8 particles and 0.3 % at 16 even so."""
     found = orders((8, 16, 32), control=control)
@@ -74,7 +74,7 @@ def test_with_more_control_the_order_is_two_from_8_particles_on(control: float) 
         assert free_modes(layers, control=control) == pytest.approx(FREE, rel=limit)
 
 
-@pytest.mark.parametrize(("radius", "least"), [(1.5, 1.3), (2.1, 1.7)])
+@pytest.mark.parametrize(("radius", "least"), [(1.5, 1.3), pytest.param(2.1, 1.7, marks=pytest.mark.long)])
 def test_the_order_of_the_default(radius: float, least: float) -> None:
     """Its bending errors change their sign below 16 particles, where two parts of them cancel.
 
@@ -135,7 +135,7 @@ def stable_step(scene: Scene) -> float:
 
 
 @pytest.mark.parametrize("control", [0.25, 0.5, 1.0])
-@pytest.mark.parametrize("radius", [1.5, 2.1, 3.1])
+@pytest.mark.parametrize("radius", [1.5, 2.1, pytest.param(3.1, marks=pytest.mark.long)])
 @pytest.mark.parametrize(("dimension", "plane"), [(2, "stress"), (2, "strain"), (3, "strain")])
 def test_the_limit_of_the_step_is_below_what_is_stable(
     dimension: int, plane: str, radius: float, control: float

@@ -62,7 +62,11 @@ def period_of(times: np.ndarray, deflections: np.ndarray) -> float:
 
 @pytest.mark.parametrize(
     ("layers", "periods", "tolerance"),
-    [(5, 2, 0.025), (10, 1, 0.014), pytest.param(20, 1, 0.01, marks=pytest.mark.slow)],
+    [
+        (5, 2, 0.025),
+        pytest.param(10, 1, 0.014, marks=pytest.mark.long),
+        pytest.param(20, 1, 0.01, marks=pytest.mark.slow),
+    ],
 )
 def test_oscillating_plate(layers: int, periods: int, tolerance: float) -> None:
     """Amplitude 0.115 of the length: a tip speed of 0.01 c0, c0 = 57.0 m/s."""
@@ -74,6 +78,7 @@ def test_oscillating_plate(layers: int, periods: int, tolerance: float) -> None:
     assert amplitude == pytest.approx(0.115, rel=0.01)
 
 
+@pytest.mark.long
 def test_the_clamp_makes_the_period_first_order() -> None:
     """What is held ends at x = 0, but its last particles half a spacing before it: the plate is that much too long."""
     errors = []
