@@ -54,7 +54,7 @@ def on_page_content(text: str, page: Any, **_: Any) -> str:
             raise PluginError(f"{page.file.src_uri}: {unknown[0]} is unknown in the equation {tex}")
         # browsers draw a bold variant by its style alone, and would stretch a bar to its subscript
         mathml = re.sub(r'mathvariant="bold(-italic)?"', 'mathvariant="normal" style="font-weight: bold"', mathml)
-        mathml = re.sub(r"<mo[^>]*>(&#x0007C;|\|)</mo>", '<mo stretchy="false">|</mo>', mathml)
+        mathml = re.sub(r"<mo[^>]*>(&#x0007C;|\|)</mo>", '<mo stretchy="false" lspace="0" rspace="0">|</mo>', mathml)
         return f'<{tag} class="arithmatex" title="{html.escape(tex)}">{mathml}</{tag}>'
 
     return EQUATION.sub(render, text)

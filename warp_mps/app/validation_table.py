@@ -14,7 +14,7 @@ from typing import Any
 from warp_mps.results.formatting import duration
 from warp_mps.results.summary import RunSummary, read_summary
 
-HEADER = "| case | model | result | measured | reference | error | source | time |"
+HEADER = "| case | result | measured | reference | error | source of the reference |\n|---|---|--:|--:|--:|---|"
 # the parts of the table: title, and whether a case of it has bodies and fluids
 PARTS = (("Elastic bodies", (True, False)), ("Water", (False, True)), ("Water and elastic bodies", (True, True)))
 
@@ -34,7 +34,7 @@ def validation_table(summaries: Iterable[RunSummary]) -> str:
     for title, kind in PARTS:
         rows = [row for run in done if _kind(run) == kind for row in _rows(run)]
         if rows:
-            blocks.append("\n".join([f"## {title}", "", HEADER, "|---|---|---|--:|--:|--:|---|--:|", *rows]))
+            blocks.append("\n".join([f"## {title}", "", HEADER, *rows]))
     return "\n\n".join(blocks) + "\n"
 
 
@@ -51,14 +51,15 @@ def _model(run: RunSummary) -> str:
 
 
 def _rows(run: RunSummary) -> list[str]:
-    """A row for each measurement; the case, its model and its time stand in the first."""
-    rows = []
-    for k, row in enumerate(run.measurements):
-        head = (f"`{run.case}`", _model(run)) if k == 0 else ("", "")
+    """A row for each measurement; the case, its model and its time stand in the first, a source where it changes."""
+    case, source, rows = f"`{run.case}`<br>{_model(run)}, {duration(run.wall_seconds)}", "", []
+    for row in run.measurements:
         error = "" if row["error"] is None else f"{100.0 * row['error']:+.2f} %"
         unit = f" [{row['unit']}]" if row["unit"] not in ("", "-") else ""
-        cells = [*head, row["name"] + unit, _number(row["value"]), _number(row["reference"]), error, row["source"]]
-        rows.append("| " + " | ".join([*map(_cell, cells), duration(run.wall_seconds) if k == 0 else ""]) + " |")
+        cells = [case, row["name"] + unit, _number(row["value"]), _number(row["reference"]), error]
+        cells.append(row["source"] if row["source"] != source else "")
+        rows.append("| " + " | ".join(map(_cell, cells)) + " |")
+        case, source = "", row["source"]
     return rows
 
 
