@@ -1,11 +1,26 @@
 """Shapes: the regions of space that bodies fill and that supports, loads and probes act on.
 
 Shapes are three-dimensional and lie in the scene's coordinates; a two-dimensional scene uses their section at z = 0.
+They are united, subtracted and intersected by ``|``, ``-`` and ``&``, and placed by `Shape.moved` and `Shape.turned`.
 """
 
 from warp_mps.shapes.filling import contains, fill, particle_count
 from warp_mps.shapes.mesh import Mesh
 from warp_mps.shapes.points import Points
-from warp_mps.shapes.primitives import Box, Cylinder, Shape, Sphere
+from warp_mps.shapes.primitives import Box, Cylinder, Sphere
+from warp_mps.shapes.shape import Difference, Intersection, Shape, Union
 
-__all__ = ["Box", "Cylinder", "Mesh", "Points", "Shape", "Sphere", "contains", "fill", "particle_count"]
+__all__ = [
+    "Box",
+    "Cylinder",
+    "Difference",
+    "Intersection",
+    "Mesh",
+    "Points",
+    "Shape",
+    "Sphere",
+    "Union",
+    "contains",
+    "fill",
+    "particle_count",
+]

@@ -52,13 +52,30 @@ def near_surface(points: np.ndarray, corners: np.ndarray, distance: float) -> np
     return near
 
 
-def is_closed(points: np.ndarray, triangles: np.ndarray) -> bool:
-    """Whether every edge belongs to exactly two triangles; points at the same place are one point."""
-    merged = np.unique(points, axis=0, return_inverse=True)[1].reshape(-1)[triangles]
+def open_edge(points: np.ndarray, triangles: np.ndarray) -> str | None:
+    """Where a surface is not closed: an edge that does not belong to exactly two triangles.
+
+    Points at the same place count as one point, and triangles with two equal points are left out.
+
+    Args:
+        points: Vertices [m], shape [n, 3].
+        triangles: Vertices of each triangle, shape [m, 3].
+
+    Returns:
+        A clause for an error message with the ends of the edge, or None if the surface is closed.
+    """
+    vertices, index = np.unique(points, axis=0, return_inverse=True)
+    merged = index.reshape(-1)[triangles]
     proper = merged[(merged != np.roll(merged, 1, axis=1)).all(1)]
+    if not len(proper):
+        return "it has no triangle"
     edges = np.sort(np.concatenate([proper[:, [0, 1]], proper[:, [1, 2]], proper[:, [2, 0]]]), axis=1)
-    counts = np.unique(edges, axis=0, return_counts=True)[1]
-    return bool(len(proper) and (counts == 2).all())
+    unique, counts = np.unique(edges, axis=0, return_counts=True)
+    bad = np.flatnonzero(counts != 2)
+    if not len(bad):
+        return None
+    a, b = ("(" + ", ".join(f"{c:.6g}" for c in vertices[end]) + ")" for end in unique[bad[0]])
+    return f"that from {a} to {b} m belongs to {counts[bad[0]]}, as one of {len(bad)} such edges"
 
 
 def section(corners: np.ndarray) -> np.ndarray:

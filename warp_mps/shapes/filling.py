@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -11,7 +11,8 @@ from warp_mps.errors import InputError
 from warp_mps.shapes import closed_surface, lattice
 from warp_mps.shapes.mesh import Mesh
 from warp_mps.shapes.points import Points
-from warp_mps.shapes.primitives import Box, Shape
+from warp_mps.shapes.primitives import Box
+from warp_mps.shapes.shape import Difference, Intersection, Shape, Union
 
 # In particle spacings: cells whose centre lies on the surface but for rounding are kept, so that a symmetric shape
 # stays symmetric.
@@ -25,7 +26,8 @@ def contains(shape: Shape, points: np.ndarray, tolerance: float) -> np.ndarray:
     Args:
         shape: A region of the scene.
         points: Points [m], shape [n, 2] (then at z = 0) or [n, 3].
-        tolerance: Distance outside the surface that still counts as inside [m].
+        tolerance: Distance outside the surface that still counts as inside [m]; where negative, the distance inside
+            the surface that no longer does.
 
     Returns:
         Flags, shape [n].
@@ -40,7 +42,8 @@ def fill(shape: Shape, spacing: float, dimension: int, *, node_axes: Sequence[in
 
     The lattice lies along the shape's own axes; along the scene's if the placement shears the shape, or if it turns
     a shape of a 2-D scene out of the plane. A box takes the nearest whole number of particles along each axis, the
-    outermost half a spacing inside its faces; other shapes take the cells whose centres they contain.
+    outermost half a spacing inside its faces; other shapes take the cells whose centres they contain. Shapes made of
+    others by ``|``, ``-`` and ``&`` take the lattice of their first operand, continued as far as they reach.
 
     Args:
         shape: Shape to fill; `Points` are returned as they are.
@@ -121,8 +124,18 @@ class _Grid:
 def _grid(shape: Shape, spacing: float, dimension: int, node_axes: Sequence[int], where: str) -> _Grid:
     if not spacing > 0 or not np.isfinite(spacing):
         raise InputError(where, "spacing", f"must be positive, not {spacing}")
-    if isinstance(shape, Mesh) and not closed_surface.is_closed(shape.points, shape.triangles):
-        raise InputError(where, "shape", "the mesh is not closed: every edge must belong to exactly two triangles")
+    for leaf in shape.leaves():
+        hole = closed_surface.open_edge(leaf.points, leaf.triangles) if isinstance(leaf, Mesh) else None
+        if hole:
+            reason = f"the mesh is not closed: every edge must belong to exactly two triangles, {hole}"
+            raise InputError(where, "shape", reason)
+    source = shape.leaves()[0]
+    grid = _own_grid(source, spacing, dimension, node_axes, where)
+    return grid if source is shape else _continued(grid, shape, dimension, where)
+
+
+def _own_grid(shape: Shape, spacing: float, dimension: int, node_axes: Sequence[int], where: str) -> _Grid:
+    """The lattice of a shape that is not made of others."""
     numbers, axes, aligned = _axes(shape, dimension)
     intervals = _intervals(shape, axes, dimension, where)
     fits = aligned and isinstance(shape, Box)
@@ -154,21 +167,51 @@ def _axes(shape: Shape, dimension: int) -> tuple[tuple[int, ...], np.ndarray, bo
 
 def _intervals(shape: Shape, axes: np.ndarray, dimension: int, where: str) -> list[tuple[float, float]]:
     """Least and greatest coordinate of the shape, or of its section, along each axis [m]."""
-    if dimension == 2:
+    intervals = _reach(shape, axes, dimension)
+    if intervals is None:
         low, high = shape.interval(np.array([0.0, 0.0, 1.0]))
-        ends = closed_surface.section(shape.corners()).reshape(-1, 3) if isinstance(shape, Mesh) else None
-        if low > 0 or high < 0 or (ends is not None and not len(ends)):
-            text = (
-                f"has no section at z = 0, where the plane of a 2-D scene lies: it reaches from {low:g} to {high:g} m"
-            )
-            raise InputError(where, "shape", text)
-        if ends is not None:
-            along = ends @ axes
-            return list(zip(along.min(0).tolist(), along.max(0).tolist(), strict=True))
-    intervals = [shape.interval(axis) for axis in axes.T]
+        text = f"has no section at z = 0, where the plane of a 2-D scene lies: it reaches from {low:g} to {high:g} m"
+        raise InputError(where, "shape", text)
     if not np.isfinite(intervals).all():
         raise InputError(where, "shape", "is unbounded: give it a finite size along every axis")
-    return intervals
+    return [(float(low), float(high)) for low, high in intervals]
+
+
+def _reach(shape: Shape, axes: np.ndarray, dimension: int) -> np.ndarray | None:
+    """Bounds of the shape, or of its section, along each axis [m], shape [axes, 2]; None where there is no section."""
+    if isinstance(shape, Difference):
+        return _reach(shape.first, axes, dimension)
+    if isinstance(shape, Union | Intersection):
+        one, other = (_reach(operand, axes, dimension) for operand in (shape.first, shape.second))
+        if one is None or other is None:
+            return (other if one is None else one) if isinstance(shape, Union) else None
+        least, most = (np.minimum, np.maximum) if isinstance(shape, Union) else (np.maximum, np.minimum)
+        return np.column_stack((least(one[:, 0], other[:, 0]), most(one[:, 1], other[:, 1])))
+    if dimension == 2:
+        low, high = shape.interval(np.array([0.0, 0.0, 1.0]))
+        if low > 0 or high < 0:
+            return None
+        if isinstance(shape, Mesh):
+            along = closed_surface.section(shape.corners()).reshape(-1, 3) @ axes
+            return np.column_stack((along.min(0), along.max(0))) if len(along) else None
+    return np.array([shape.interval(axis) for axis in axes.T])
+
+
+def _continued(grid: _Grid, shape: Shape, dimension: int, where: str) -> _Grid:
+    """The lattice of a composite: that of its first operand, as far as the composite reaches."""
+    centres, counts = [], []
+    for (low, high), centre, count in zip(
+        _intervals(shape, grid.axes, dimension, where), grid.centres, grid.counts, strict=True
+    ):
+        start = centre - 0.5 * (count - 1) * grid.spacing
+        first = int(np.ceil((low - start) / grid.spacing - SURFACE_TOLERANCE))
+        last = int(np.floor((high - start) / grid.spacing + SURFACE_TOLERANCE))
+        if last < first:
+            raise InputError(where, "shape", "is empty, or thinner than one particle: do its two shapes meet?")
+        # half the steps by which the middle of the lattice moves: none where the extent is that of the first operand
+        centres.append(centre + 0.5 * (first + last - (count - 1)) * grid.spacing)
+        counts.append(last - first + 1)
+    return replace(grid, centres=tuple(centres), counts=tuple(counts), fits=False)
 
 
 def _keep(shape: Shape, grid: _Grid, positions: np.ndarray) -> np.ndarray:

@@ -1,10 +1,14 @@
-"""What counts as a number in the fields of shapes and scenes."""
+"""Numbers and vectors in the fields of shapes and scenes."""
 
 from __future__ import annotations
 
+import numpy as np
+
+from warp_mps.errors import InputError
+
 
 def is_number(value: object) -> bool:
-    """Whether something is one number, of whatever type; a text is none."""
+    """Whether something is one number, of whatever type; a text is not, even one that reads as a number."""
     if isinstance(value, str | bytes):
         return False
     try:
@@ -12,3 +16,34 @@ def is_number(value: object) -> bool:
     except (TypeError, ValueError):
         return False
     return True
+
+
+def as_array(values: object) -> np.ndarray:
+    """Numbers as an array; an empty array of anything else."""
+    try:
+        return np.asarray(values, float)
+    except (TypeError, ValueError):
+        return np.zeros(0)
+
+
+def as_vector(
+    values: object, where: str, name: str, *, depth: float = 0.0, finite: bool = False
+) -> tuple[float, float, float]:
+    """Three numbers of a field that may be given with 2.
+
+    Args:
+        values: 2 or 3 numbers.
+        where: What the field belongs to, for error messages.
+        name: Name of the field.
+        depth: The third number where 2 are given.
+        finite: Whether infinite numbers are refused.
+
+    Raises:
+        InputError: It is not 2 or 3 numbers, or not finite ones.
+    """
+    given = as_array(values)
+    good = np.isfinite(given) if finite else ~np.isnan(given)
+    if given.shape not in ((2,), (3,)) or not good.all():
+        raise InputError(where, name, f"must be 2 or 3 {'finite ' if finite else ''}numbers, not {values!r}")
+    x, y, *z = given.tolist()
+    return x, y, z[0] if z else depth

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
 from warp_mps.errors import InputError
+from warp_mps.shapes.numbers import as_array
 from warp_mps.shapes.point_search import near_points
-from warp_mps.shapes.primitives import Shape, as_array
+from warp_mps.shapes.shape import Shape
 
 
 @dataclass(frozen=True, eq=False)
@@ -17,11 +19,14 @@ class Points(Shape):
 
     Attributes:
         positions: Positions [m], shape [n, 2] or [n, 3].
-        velocities: Initial velocities in the scene's coordinates [m/s], of the same shape; None for none.
+        velocities: Initial velocities in the scene's coordinates [m/s], of the same shape; None is at rest.
+            They stay as they are where the particles are moved or turned.
     """
 
     positions: np.ndarray
     velocities: np.ndarray | None = None
+
+    is_region: ClassVar[bool] = False
 
     def __post_init__(self) -> None:
         super().__post_init__()

@@ -1,67 +1,19 @@
-"""The placement of a shape, and the shapes with a formula: box, sphere, cylinder."""
+"""Shapes given by a formula: box, sphere, cylinder."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from warp_mps.errors import InputError
-from warp_mps.shapes.numbers import is_number
+from warp_mps.shapes.numbers import as_array, as_vector, is_number
+from warp_mps.shapes.shape import Shape
 
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Shape:
-    """A region of space, placed in the scene.
-
-    Attributes:
-        placement: Affine map from the shape's own coordinates to the scene's,
-            x_scene = placement[:3, :3] @ x + placement[:3, 3], shape [4, 4]; None is the identity.
-    """
-
-    placement: np.ndarray | None = None
-
-    def __post_init__(self) -> None:
-        if self.placement is None:
-            return
-        placement = as_array(self.placement)
-        if placement.shape != (4, 4) or not np.isfinite(placement).all() or np.linalg.det(placement[:3, :3]) == 0:
-            raise InputError(self._kind, "placement", "must be a finite, invertible 4 x 4 matrix")
-        object.__setattr__(self, "placement", placement)
-
-    @property
-    def _kind(self) -> str:
-        return type(self).__name__
-
-    @property
-    def linear(self) -> np.ndarray:
-        """Linear part of the placement, shape [3, 3]."""
-        return np.eye(3) if self.placement is None else self.placement[:3, :3]
-
-    @property
-    def translation(self) -> np.ndarray:
-        """Translation of the placement [m], shape [3]."""
-        return np.zeros(3) if self.placement is None else self.placement[:3, 3]
-
-    def to_scene(self, points: np.ndarray) -> np.ndarray:
-        """Map points from the shape's own coordinates to the scene's, shape [n, 3]."""
-        return points @ self.linear.T + self.translation
-
-    def interval(self, direction: np.ndarray) -> tuple[float, float]:
-        """Least and greatest coordinate of the placed shape along a unit direction of the scene [m]."""
-        raise NotImplementedError
-
-    def inside(self, points: np.ndarray, tolerance: float) -> np.ndarray:
-        """Whether points of the scene, shape [n, 3], lie in the shape or within a tolerance [m] of it."""
-        raise NotImplementedError
-
-    def _set(self, name: str, value: object) -> None:
-        object.__setattr__(self, name, value)
-
-    def _positive(self, name: str, value: float) -> None:
-        if not (is_number(value) and value > 0):
-            raise InputError(self._kind, name, f"must be positive, not {value!r}")
+if TYPE_CHECKING:
+    from typing_extensions import Self
 
 
 class _Implicit(Shape):
@@ -75,6 +27,13 @@ class _Implicit(Shape):
     def _faces(self, local: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
         """Distance outside each face [n] and its normal [n, 3] or [3], both in the shape's own coordinates."""
         raise NotImplementedError
+
+    def moved(self, displacement: Sequence[float]) -> Self:
+        """The shape moved by a displacement [m], 2 or 3 numbers."""
+        if self.placement is not None:
+            return super().moved(displacement)
+        shift = as_vector(displacement, self._kind, "displacement", finite=True)
+        return replace(self, center=tuple(c + d for c, d in zip(self.center, shift, strict=True)))  # type: ignore[call-arg]
 
     def interval(self, direction: np.ndarray) -> tuple[float, float]:
         """Least and greatest coordinate of the placed shape along a unit direction of the scene [m]."""
@@ -108,10 +67,30 @@ class Box(_Implicit):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        self._set("size", _padded(self, "size", np.inf))
-        self._set("center", _padded(self, "center", 0.0))
+        self._set("size", as_vector(self.size, self._kind, "size", depth=np.inf))
+        self._set("center", as_vector(self.center, self._kind, "center"))
         for length in self.size:
             self._positive("size", length)
+
+    @classmethod
+    def from_corners(cls, low: Sequence[float], high: Sequence[float]) -> Box:
+        """The box between two opposite corners, along the scene's axes.
+
+        Args:
+            low: Corner with the least coordinates [m], 2 numbers (infinitely deep along z) or 3.
+            high: Corner with the greatest coordinates [m], as many numbers.
+
+        Raises:
+            InputError: The corners are not 2 or 3 finite numbers each, or `high` is not above `low` along every axis.
+        """
+        lower, upper = as_array(low), as_array(high)
+        for name, corner, given in (("low", lower, low), ("high", upper, high)):
+            if corner.shape not in ((2,), (3,)) or not np.isfinite(corner).all():
+                raise InputError(cls.__name__, name, f"must be 2 or 3 finite numbers, not {given!r}")
+        if lower.shape != upper.shape or not (upper > lower).all():
+            reason = f"is {high!r}, must have as many numbers as low, {low!r}, and lie above it along every axis"
+            raise InputError(cls.__name__, "high", reason)
+        return cls(tuple((upper - lower).tolist()), tuple((0.5 * (lower + upper)).tolist()))
 
     def _half_extent(self, direction: np.ndarray) -> float:
         parts = zip(np.abs(direction), self.size, strict=True)
@@ -137,7 +116,7 @@ class Sphere(_Implicit):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        self._set("center", _padded(self, "center", 0.0))
+        self._set("center", as_vector(self.center, self._kind, "center"))
         self._positive("radius", self.radius)
 
     def _half_extent(self, direction: np.ndarray) -> float:
@@ -169,7 +148,7 @@ class Cylinder(_Implicit):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        self._set("center", _padded(self, "center", 0.0))
+        self._set("center", as_vector(self.center, self._kind, "center"))
         self._positive("radius", self.radius)
         self._positive("height", self.height)
         if self.axis not in ("x", "y", "z"):
@@ -190,23 +169,6 @@ class Cylinder(_Implicit):
         outward = _directions(across, distance)
         faces = [(np.abs(local[:, along]) - 0.5 * self.height, np.eye(3)[along]), (distance - self.radius, outward)]
         return [*faces, (self.inner_radius - distance, outward)] if self.inner_radius > 0 else faces
-
-
-def as_array(values: object) -> np.ndarray:
-    """Numbers as an array; an empty one of what are no numbers."""
-    try:
-        return np.asarray(values, float)
-    except (TypeError, ValueError):
-        return np.zeros(0)
-
-
-def _padded(shape: Shape, name: str, depth: float) -> tuple[float, ...]:
-    """The 3 numbers of a field that may be given with 2, the depth added."""
-    given = as_array(getattr(shape, name))
-    if given.shape not in ((2,), (3,)) or np.isnan(given).any():
-        raise InputError(type(shape).__name__, name, f"must be 2 or 3 numbers, not {getattr(shape, name)!r}")
-    values = tuple(given.tolist())
-    return values if len(values) == 3 else (*values, depth)
 
 
 def _directions(vectors: np.ndarray, lengths: np.ndarray) -> np.ndarray:
