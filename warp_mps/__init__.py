@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from warp_mps.errors import InputError, RunError
+    from warp_mps.observers.base import Observer, View
     from warp_mps.results.history import read_history
     from warp_mps.results.summary import RunSummary, read_summary
     from warp_mps.run.run import run_scene
@@ -56,6 +57,7 @@ __version__ = "0.1.0"
 _HOMES = {
     "warp_mps.usd.shipped_cases": ("find_case", "shipped_cases"),
     "warp_mps.errors": ("InputError", "RunError"),
+    "warp_mps.observers.base": ("Observer", "View"),
     "warp_mps.results.history": ("read_history",),
     "warp_mps.results.summary": ("RunSummary", "read_summary"),
     "warp_mps.run.run": ("run_scene",),
@@ -87,6 +89,7 @@ __all__ = [
     "Material",
     "Measurement",
     "Mesh",
+    "Observer",
     "Part",
     "Points",
     "Probe",
@@ -100,6 +103,7 @@ __all__ = [
     "TableMotion",
     "TableRotation",
     "VelocityField",
+    "View",
     "Wall",
     "find_case",
     "read_history",

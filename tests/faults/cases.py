@@ -144,6 +144,6 @@ def animation(folder: Path) -> dict[str, dict[float, np.ndarray]]:
 
 def _first_time(case: Case, folder: Path) -> float:
     from warp_mps.observers.checkpoint import load_checkpoint
-    from warp_mps.run.run import fingerprint
+    from warp_mps.run.provenance import fingerprint
 
     return load_checkpoint(folder, fingerprint(case.scene, "float64")).time

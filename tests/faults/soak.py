@@ -24,9 +24,9 @@ import time
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from warp_mps.observers.base import View
+from warp_mps.observers.base import Observer, View
 from warp_mps.observers.progress import Progress
-from warp_mps.run.run import _Run
+from warp_mps.run.recording import Recording
 from warp_mps.run.schedule import Clock
 from warp_mps.run.simulation import Simulation
 from warp_mps.scene import Scene
@@ -58,7 +58,7 @@ class EnoughError(Exception):
     """All steps are done."""
 
 
-class Meter:
+class Meter(Observer):
     """An observer that marks the end of every tenth, and ends the run with the last.
 
     Args:
@@ -87,9 +87,6 @@ class Meter:
             print(f"{len(self.marks) - 1:2}/{TENTHS} {self._line()}", flush=True)
         if len(self.marks) > TENTHS:
             raise EnoughError
-
-    def close(self) -> None:
-        """Do nothing."""
 
     def growth(self) -> float:
         """Memory at the end of the last tenth relative to that at the end of the first one, less 1 [-]."""
@@ -124,10 +121,10 @@ def soak(scene: Scene, steps: int, folder: Path, *, device: str = "cpu", precisi
     scene = replace(scene, duration=(steps + 2 * clock.sample_every) * clock.dt)
     simulation = Simulation(scene, device=device, precision=precision)
     progress = Progress(every=clock.sample_every, quiet=True)
-    run = _Run(simulation, folder, progress, resumed=False, interval=60.0)
+    run = Recording(simulation, folder, progress, resumed=False, interval=60.0)
     meter = Meter(simulation, steps, every=clock.sample_every)
     with contextlib.suppress(EnoughError):
-        simulation.run([*run._observers, meter])
+        simulation.run([*run.observers, meter])
     return meter
 
 

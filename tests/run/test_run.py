@@ -10,6 +10,7 @@ import pytest
 
 from tests.scenes import beam, block, ends, scene_of
 from warp_mps.errors import InputError, RunError
+from warp_mps.observers.base import Observer, View
 from warp_mps.observers.probes import ProbeRecorder
 from warp_mps.results.history import read_history
 from warp_mps.results.summary import read_summary
@@ -206,3 +207,63 @@ def test_a_run_with_a_moving_wall_in_two_parts_is_the_run_in_one(struck: Scene, 
     assert summary.energy["work"] > 0.0
     assert summary.energy["drift"] < 0.01
     assert summary.momentum_error < 1e-12
+
+
+class Visitor(Observer):
+    """Notes the times of a run; raises an error at one, or when it is closed."""
+
+    def __init__(self, interval: float, *, fails_after: float = np.inf, at_close: Exception | None = None) -> None:
+        self.interval, self._fails_after, self._at_close = interval, fails_after, at_close
+        self.times: list[float] = []
+
+    def observe(self, view: View) -> None:
+        """Note the time."""
+        if view.time > self._fails_after:
+            raise ZeroDivisionError("a mistake")
+        self.times.append(view.time)
+
+    def close(self) -> None:
+        """Raise what is to be raised."""
+        if self._at_close is not None:
+            raise self._at_close
+
+
+def test_an_observer_of_the_user_is_called_by_simulated_time(scene: Scene, tmp_path: Path) -> None:
+    visitor = Visitor(0.001)
+    alone = run_scene(scene, tmp_path / "alone", quiet=True)
+    assert run_scene(scene, tmp_path / "seen", quiet=True, observers=[visitor]).status == "done"
+    np.testing.assert_allclose(visitor.times, [0.0, 0.001, 0.002, 0.003, 0.004, 0.005], rtol=1e-12)
+    assert (tmp_path / "alone/probes.csv").read_bytes() == (tmp_path / "seen/probes.csv").read_bytes()
+    assert alone.status == "done"
+
+
+def test_an_observer_that_fails_ends_the_run_which_can_be_resumed(scene: Scene, tmp_path: Path) -> None:
+    whole, parts = tmp_path / "whole", tmp_path / "parts"
+    run_scene(scene, whole, quiet=True)
+    with pytest.raises(RunError, match=r"the observer Visitor failed at 0\.003 s .*: ZeroDivisionError: a mis") as info:
+        run_scene(scene, parts, quiet=True, observers=[Visitor(0.001, fails_after=0.0025)])
+    assert isinstance(info.value.__cause__, ZeroDivisionError)
+    summary = read_summary(parts / "run.json")
+    assert (summary.status, summary.reason) == ("failed", str(info.value))
+    assert summary.time == pytest.approx(0.003)
+    run_scene(scene, parts, quiet=True, resume=True)
+    assert (whole / "probes.csv").read_bytes() == (parts / "probes.csv").read_bytes()
+
+
+def test_an_observer_that_cannot_be_closed_ends_the_run_as_failed(scene: Scene, tmp_path: Path) -> None:
+    with pytest.raises(RunError, match=r"the observer Visitor\.close failed: ValueError: open"):
+        run_scene(scene, tmp_path, quiet=True, observers=[Visitor(0.001, at_close=ValueError("open"))])
+    assert read_summary(tmp_path / "run.json").status == "failed"
+
+
+@pytest.mark.parametrize(
+    ("observer", "match"),
+    [(print, r"observers\[0\]: is <built-in function print>"), (Visitor(-1.0), "observer interval: is -1 s")],
+)
+def test_what_is_no_observer_is_refused_before_anything_is_removed(
+    scene: Scene, tmp_path: Path, observer: object, match: str
+) -> None:
+    run_scene(scene, tmp_path, quiet=True)
+    with pytest.raises(InputError, match=match):
+        run_scene(scene, tmp_path, quiet=True, overwrite=True, observers=[observer])  # type: ignore[list-item]
+    assert read_summary(tmp_path / "run.json").status == "done"

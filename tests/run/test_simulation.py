@@ -18,8 +18,9 @@ import warp as wp
 from tests.bits import assert_same_bits, states
 from tests.scenes import block, scene_of
 from warp_mps.errors import InputError, RunError
-from warp_mps.observers.base import View
-from warp_mps.run.simulation import BLOCK, Simulation
+from warp_mps.observers.base import Observer, View
+from warp_mps.run.simulation import Simulation
+from warp_mps.run.steps import BLOCK
 from warp_mps.scene import Body, Contact, HarmonicMotion, Load, Scene, Support, TableMotion
 from warp_mps.shapes import Box
 
@@ -207,7 +208,7 @@ def test_pressure_is_positive_where_a_body_is_squeezed() -> None:
     assert simulation.reactions[x > 0.01, 0].sum() < 0.0 < simulation.reactions[x < -0.01, 0].sum()
 
 
-class Recorder:
+class Recorder(Observer):
     """Notes when it was called, and fails at a step or when it is closed if it is told to."""
 
     def __init__(
@@ -336,3 +337,61 @@ def test_compiling_is_said_before_it_is_done(monkeypatch: pytest.MonkeyPatch) ->
     Simulation(scene_of(block(2)), announce=announce)
     assert len(said) == 1
     assert "compiling kernels for cpu" in said[0]
+
+
+@pytest.mark.parametrize(
+    ("interval", "expected"),
+    [
+        (25e-6, [0, 25, 50, 75, 100]),
+        (7.5e-6, [0, 8, 15, 23, 30, 38, 45, 53, 60, 68, 75, 83, 90, 98, 100]),
+        (0.3e-6, [*range(101)]),
+        (1.0, [0, 100]),
+    ],
+)
+def test_observers_are_called_by_simulated_time(interval: float, expected: list[int]) -> None:
+    recorder = Recorder(1)
+    recorder.interval = interval
+    short_run(100).run([recorder])
+    assert recorder.steps == expected
+
+
+@pytest.mark.parametrize(("every", "interval"), [(0, None), (1, 0.0), (1, float("nan"))])
+def test_triggers_that_never_come_are_refused(every: int, interval: float | None) -> None:
+    recorder = Recorder(every)
+    recorder.interval = interval
+    with pytest.raises(InputError, match=r"observer (every|interval): is (0|nan)"):
+        short_run(10).run([recorder])
+    assert recorder.closed == 1
+
+
+def test_stepping_by_hand() -> None:
+    simulation = short_run(100)
+    simulation.step_to(2.5e-6)
+    assert (simulation.step, simulation.time) == (3, pytest.approx(3e-6))
+    simulation.step_to(3e-6)
+    assert simulation.step == 3
+    simulation.step_to(150e-6)
+    assert simulation.step == 150
+    for time in (149e-6, float("nan")):
+        with pytest.raises(InputError, match=r"time: is .* s, must be finite and not before 0.00015 s"):
+            simulation.step_to(time)
+
+
+def test_what_is_read_cannot_be_written_to() -> None:
+    simulation = short_run(10)
+    for array in (simulation.positions, simulation.stresses, simulation.strains):
+        with pytest.raises(ValueError, match="read-only"):
+            array[0] = 1.0
+
+
+def test_device_arrays_of_a_body_are_those_of_its_state() -> None:
+    simulation = short_run(10)
+    arrays = simulation.device_arrays
+    assert set(arrays) == {"solid.displacements", "solid.velocities", "solid.forces"}
+    kept = arrays["solid.displacements"]
+    simulation.advance(10)
+    assert simulation.device_arrays["solid.displacements"] is kept
+    np.testing.assert_array_equal(kept.numpy(), simulation.displacements)
+    np.testing.assert_array_equal(arrays["solid.velocities"].numpy(), simulation.velocities)
+    with pytest.raises(TypeError):
+        arrays["solid.forces"] = kept  # type: ignore[index]

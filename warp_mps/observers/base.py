@@ -1,4 +1,15 @@
-"""What a simulation shows to its observers, and what it asks of them."""
+"""What a simulation shows to its observers, and what it asks of them.
+
+An observer of one's own::
+
+    class Crest(mps.Observer):
+        interval = 0.01  # [s]
+
+        def observe(self, view: mps.View) -> None:
+            print(view.time, view.positions[:, 1].max())
+
+    mps.run_scene(scene, "runs/waves", observers=[Crest()])
+"""
 
 from __future__ import annotations
 
@@ -17,9 +28,12 @@ if TYPE_CHECKING:
 
 
 class View(Protocol):
-    """A run at one moment, read-only; arrays are float64, evaluated when first asked for and kept for the moment.
+    """A run at one moment, read-only.
 
-    In 2-D every extensive quantity (mass, force, energy) is per metre of depth.
+    Arrays are float64 NumPy arrays that cannot be written to, read from the device when first asked for and kept until
+    the next step; they stay valid after it. Their rows are the n particles in the order of `particles`: elastic bodies,
+    walls, fluids, each as the scene has them; ``particles.ranges`` has the rows of each by name. d is the scene's
+    dimension. In 2-D every extensive quantity (mass, force, energy) is per metre of depth.
     """
 
     @property
@@ -28,11 +42,11 @@ class View(Protocol):
 
     @property
     def step(self) -> int:
-        """Number of steps done."""
+        """Number of steps of the run done; with fluids a step of the run is an interval between two samples."""
 
     @property
     def steps_done(self) -> int:
-        """Number of time steps done, of fluids those within the steps of the run."""
+        """Number of time steps done; of fluids, those within the steps of the run."""
 
     @property
     def total_steps(self) -> int:
@@ -48,15 +62,15 @@ class View(Protocol):
 
     @property
     def positions(self) -> np.ndarray:
-        """Particle positions x [m], shape [n, dimension]."""
+        """Particle positions x [m], shape [n, d]."""
 
     @property
     def displacements(self) -> np.ndarray:
-        """Displacements u = x - X [m], shape [n, dimension]."""
+        """Displacements u = x - X [m], shape [n, d]."""
 
     @property
     def velocities(self) -> np.ndarray:
-        """Velocities [m/s], shape [n, dimension]."""
+        """Velocities [m/s], shape [n, d]."""
 
     @property
     def rotations(self) -> np.ndarray:
@@ -64,11 +78,15 @@ class View(Protocol):
 
     @property
     def angular_velocities(self) -> np.ndarray:
-        """Angular velocities [rad/s], shape [n, 1] in 2-D and [n, 3] in 3-D."""
+        """Angular velocities of the particles' own rotation [rad/s], shape [n, 1] in 2-D and [n, 3] in 3-D."""
 
     @property
     def pressures(self) -> np.ndarray:
         """Pressures [Pa], shape [n]."""
+
+    @property
+    def number_densities(self) -> np.ndarray:
+        """Number densities of fluids in units of a full lattice's, else 1 [-], shape [n]."""
 
     @property
     def volumes(self) -> np.ndarray:
@@ -92,15 +110,15 @@ class View(Protocol):
 
     @property
     def contact_forces(self) -> np.ndarray:
-        """Contact forces on the particles [N], shape [n, dimension]."""
+        """Contact forces on the particles [N], shape [n, d]."""
 
     @property
     def internal_forces(self) -> np.ndarray:
-        """Elastic and contact forces on the particles [N], shape [n, dimension]."""
+        """Elastic and contact forces on the particles [N], shape [n, d]."""
 
     @property
     def elastic_forces(self) -> np.ndarray:
-        """Elastic forces, and those of the material's damping, on the particles [N], shape [n, dimension]."""
+        """Elastic forces, and those of the material's damping, on the particles [N], shape [n, d]."""
 
     @property
     def elastic_torques(self) -> np.ndarray:
@@ -108,7 +126,7 @@ class View(Protocol):
 
     @property
     def reactions(self) -> np.ndarray:
-        """Forces that the supports exert on the particles [N], shape [n, dimension]."""
+        """Forces that the supports exert on the particles [N], shape [n, d]."""
 
     @property
     def energy(self) -> Energy:
@@ -118,12 +136,20 @@ class View(Protocol):
         """Everything that evolves, as host arrays of their own (later steps do not change them)."""
 
 
-class Observer(Protocol):
-    """Something that looks at a run every so many steps, at its start and at its end."""
+class Observer:
+    """Something that looks at a run at its start, then regularly, and at its end.
 
-    @property
-    def every(self) -> int:
-        """Steps between two calls of :meth:`observe`."""
+    A subclass defines `observe`, and sets `every` or `interval`, on the class or in its constructor.
+
+    Attributes:
+        every: Steps of the run between two calls of `observe`.
+        interval: Simulated time between two calls [s], instead of `every`: each call is at the first step of the run
+            at or after a multiple of it. With fluids a step of the run is an interval between two samples, by the
+            scene's `sample_rate`.
+    """
+
+    every: int = 1
+    interval: float | None = None
 
     def observe(self, view: View) -> None:
         """Look at the run.
@@ -131,6 +157,7 @@ class Observer(Protocol):
         Raises:
             RunError: The run must stop.
         """
+        raise NotImplementedError(f"{type(self).__name__} does not define observe(view)")
 
     def close(self) -> None:
         """Finish; called once, also after a failure or an interruption."""
@@ -140,7 +167,7 @@ class Observer(Protocol):
 def closing(observers: Sequence[Observer]) -> Iterator[None]:
     """Close all observers at the end, whatever happens; of several errors the first is raised.
 
-    An interrupt does not stop the closing: who is impatient loses nothing.
+    An interrupt takes effect after the closing, so that nothing is lost.
     """
     errors: list[BaseException] = []
     try:

@@ -17,7 +17,7 @@ import numpy as np
 
 from warp_mps.core.interrupts import hold_interrupts
 from warp_mps.errors import InputError, RunError
-from warp_mps.observers.base import View
+from warp_mps.observers.base import Observer, View
 
 # raised whenever what a run goes on from changes its arrays or its meaning: 2 since implicit solids keep a coarse level
 # and water is mirrored in its walls
@@ -43,7 +43,7 @@ class Checkpoint:
     arrays: dict[str, np.ndarray]
 
 
-class CheckpointWriter:
+class CheckpointWriter(Observer):
     """Keeps the state at the last look, and saves it every so many seconds and at the end.
 
     A state with a number that is not finite is never kept: the checkpoint of a run that blew up is its last good one.

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
-from warp_mps.observers.base import View
+from warp_mps.observers.base import Observer, View
 from warp_mps.observers.sampling import FIELDS
 from warp_mps.particles.particles import Particles
 from warp_mps.scene import Scene
 
 
-class FrameRecorder:
+class FrameRecorder(Observer):
     """Writes positions, velocities, pressures and the outputs of the scene as a USD animation.
 
     Args:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from warp_mps.errors import RunError
-from warp_mps.observers.base import View
+from warp_mps.observers.base import Observer, View
 
 # Energy may come from nowhere up to this part of what motion and deformation have held, or of the work put in.
 ALLOWED_GROWTH = 0.1
@@ -14,7 +14,7 @@ ALLOWED_GROWTH = 0.1
 ROUNDING = 1e-5
 
 
-class Guard:
+class Guard(Observer):
     """Stops a run when a number is not finite, or when energy appears from nowhere.
 
     The energy balance (held, less work, plus dissipated) is constant in an exact solution. An unstable step makes it
@@ -45,9 +45,6 @@ class Guard:
         self._check_finite(view)
         if self._look_at_energy:
             self._check_energy(view)
-
-    def close(self) -> None:
-        """Do nothing: there is nothing to finish."""
 
     def _check_finite(self, view: View) -> None:
         for name, values in (("position", view.positions), ("velocity", view.velocities)):

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from warp_mps.observers.base import View
+from warp_mps.observers.base import Observer, View
 
 
-class MomentumMonitor:
+class MomentumMonitor(Observer):
     """Keeps the largest resultant of the internal forces, relative to the sum of their magnitudes.
 
     The internal forces are what is left of the total force on every particle after its weight and the loads.
@@ -31,6 +31,3 @@ class MomentumMonitor:
         forces = view.internal_forces
         self._resultant = max(self._resultant, float(np.linalg.norm(forces.sum(axis=0))))
         self._magnitude = max(self._magnitude, float(np.linalg.norm(forces, axis=1).sum()))
-
-    def close(self) -> None:
-        """Do nothing: there is nothing to finish."""

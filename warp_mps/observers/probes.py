@@ -7,7 +7,7 @@ import math
 from pathlib import Path
 
 from warp_mps.errors import InputError, RunError
-from warp_mps.observers.base import View
+from warp_mps.observers.base import Observer, View
 from warp_mps.observers.sampling import make_sampler
 from warp_mps.particles.particles import Particles
 from warp_mps.results.energy import ENERGY_NAMES
@@ -15,7 +15,7 @@ from warp_mps.results.history import TIME_LABEL, History, energy_labels, format_
 from warp_mps.scene import Scene
 
 
-class ProbeRecorder:
+class ProbeRecorder(Observer):
     """Records every probe of a scene and the energies, in probes.csv and in memory.
 
     Args:
@@ -56,9 +56,6 @@ class ProbeRecorder:
         row.extend(getattr(view.energy, name) for name in ENERGY_NAMES)
         self.history.append(row)
         self._write(row)
-
-    def close(self) -> None:
-        """Do nothing: the file is complete after every row."""
 
     def _write(self, row: list[float]) -> None:
         try:

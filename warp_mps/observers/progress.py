@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable
 from typing import TYPE_CHECKING, TextIO
 
-from warp_mps.observers.base import View
+from warp_mps.observers.base import Observer, View
 
 if TYPE_CHECKING:
     from rich.progress import Progress as Bar
@@ -16,7 +16,7 @@ LINE_SECONDS = 5.0
 LINE_FRACTION = 0.1
 
 
-class Progress:
+class Progress(Observer):
     """Shows how far a run is, the simulated time, the steps a second and the time left.
 
     On a terminal it is a bar; elsewhere a line at the start, at the end, and whenever 5 s have passed or another

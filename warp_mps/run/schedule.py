@@ -1,4 +1,4 @@
-"""Time step and schedule of a run: frames and samples fall on whole steps."""
+"""Time step and schedule of a run: frames and samples fall on whole steps, and observers are called at steps."""
 
 from __future__ import annotations
 
@@ -12,6 +12,8 @@ from warp_mps.scene import Scene
 # steps are counted in 32 bits on the device
 MOST_STEPS = 2**31 - 1
 SMALLEST_STEP = 1e-200
+# part of a step by which rounding may shift a time
+ROUNDING = 1e-6
 
 
 class Clock:
@@ -25,7 +27,7 @@ class Clock:
         dt_limit: Largest time step that is stable for small deformations, contact apart [s].
 
     Raises:
-        InputError: The numbers make a step that is none, or more steps than can be counted.
+        InputError: The time step is too small for its number type, or there are more steps than can be counted.
     """
 
     _rate: float | None
@@ -42,19 +44,19 @@ class Clock:
         else:
             self._divide(scene, frame, samples)
         self.frame_every = samples * self.sample_every
-        self.steps = max(1, math.ceil(_count(scene, scene.duration, self.dt, "duration") - 1e-6))
-        # the same as steps of dt but for rounding: frames are then at 0.2 s, not at 0.19999999999999998
+        self.steps = max(1, math.ceil(_count(scene, scene.duration, self.dt, "duration") - ROUNDING))
+        # a quotient has less rounding than a product with dt: frames are at 0.2 s, not at 0.19999999999999998
         given = scene.time_step is not None and not scene.fluids
         self._rate = None if given else self.frame_every * scene.frame_rate
 
     def _ramp(self, scene: Scene) -> None:
-        """A step is a load step, and each is shown; what stands for the time is the load factor."""
+        """Statics: a step is a load step, each makes a frame, and the time is the load factor."""
         self.dt_limit, self.dt, self._rate = math.inf, 1.0 / scene.load_steps, float(scene.load_steps)
-        self.steps = max(1, math.ceil(_count(scene, scene.duration, self.dt, "duration") - 1e-6))
+        self.steps = max(1, math.ceil(_count(scene, scene.duration, self.dt, "duration") - ROUNDING))
         self.sample_every = self.frame_every = 1
 
     def _divide(self, scene: Scene, frame: float, samples: int) -> None:
-        """Find the time step of elastic bodies, of which a whole number fits between two samples."""
+        """Find the time step of elastic bodies: a whole number of steps fits between two samples."""
         crossing = min(
             body.spacing / pressure_wave_speed(material, scene.dimension, scene.plane)
             for body in scene.bodies
@@ -74,15 +76,54 @@ class Clock:
         """Time after so many steps [s]."""
         return step / self._rate if self._rate else step * self.dt
 
+    def first_step_at(self, time: float) -> int:
+        """Number of steps after which the time is first at or beyond a time [s], but for rounding."""
+        return max(0, math.ceil((time * self._rate if self._rate else time / self.dt) - ROUNDING))
 
-def _count(scene: Scene, interval: float, step: float, attribute: str) -> float:
-    """How many steps make an interval, if that is a number that a run can count.
+
+class Trigger:
+    """The steps of a run at which an observer is called: the first one, then regularly.
+
+    Args:
+        clock: The schedule of the run.
+        every: Steps between two calls.
+        interval: Simulated time between two calls [s], instead: each is at the first step at or after a multiple of it.
 
     Raises:
-        InputError: It is not.
+        InputError: The number of steps is below 1, or the time is not finite and above 0.
+    """
+
+    def __init__(self, clock: Clock, every: int, interval: float | None = None) -> None:
+        if every < 1:
+            raise InputError("observer", "every", f"is {every}, must be 1 or more steps")
+        if interval is not None and not (math.isfinite(interval) and interval > 0.0):
+            raise InputError("observer", "interval", f"is {interval:g} s, must be finite and above 0")
+        self._clock, self._every, self._interval = clock, every, interval
+
+    def is_due(self, step: int) -> bool:
+        """Whether the observer is called after so many steps."""
+        return step == 0 or self.next_after(step - 1) == step
+
+    def next_after(self, step: int) -> int:
+        """The next step, after so many, at which the observer is called."""
+        if self._interval is None:
+            return (step // self._every + 1) * self._every
+        passed = math.floor(self._clock.time(step) / self._interval + ROUNDING)
+        return max(step + 1, self._clock.first_step_at((passed + 1) * self._interval))
+
+
+def _count(scene: Scene, interval: float, step: float, attribute: str) -> float:
+    """How many steps an interval takes.
+
+    Raises:
+        InputError: The step underflows, or there are more steps than a run can count.
     """
     if step < SMALLEST_STEP:
-        raise InputError(scene.path, attribute, f"makes a time step of {step:.3g} s, too small to be one")
+        raise InputError(
+            scene.path,
+            attribute,
+            f"makes a time step of {step:.3g} s, which underflows; it must be at least {SMALLEST_STEP:g} s",
+        )
     if interval / step > MOST_STEPS:
         reason = f"makes {interval / step:.3g} steps of {step:.3g} s; at most {MOST_STEPS:.3g} can be counted"
         raise InputError(scene.path, attribute, reason)

@@ -12,7 +12,7 @@ from warp_mps.elastic.contact import law as contact_law
 from warp_mps.elastic.contact import model as contacts
 from warp_mps.elastic.contact.law import law_constants
 from warp_mps.errors import RunError
-from warp_mps.observers.base import View
+from warp_mps.observers.base import Observer, View
 from warp_mps.particles.particles import Particles
 from warp_mps.run.simulation import Simulation
 from warp_mps.scene import Body, Contact, Material, Scene
@@ -272,7 +272,7 @@ def test_more_candidates_than_the_list_holds_end_the_run(monkeypatch: pytest.Mon
     assert simulation.solid.contacts.overflowed() is None
 
 
-class Witness:
+class Witness(Observer):
     """Notes the steps that it is shown, and whether the contact of the simulation has overflowed."""
 
     every = 10

@@ -1,0 +1,61 @@
+"""The folder of a run: what lies in it, whether it can be written, and the restart from its checkpoint."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from pathlib import Path
+
+from warp_mps.errors import InputError
+from warp_mps.observers import checkpoint as checkpoint_file
+from warp_mps.observers.checkpoint import Checkpoint, load_checkpoint
+
+ANIMATION, PROBES, SUMMARY = "run.usdc", "probes.csv", "run.json"
+
+
+def claim_folder(
+    folder: Path, fingerprint: str, *, overwrite: bool, resume: bool, announce: Callable[[str], None]
+) -> Checkpoint | None:
+    """Make sure that the folder can be written and that no results in it are lost.
+
+    Args:
+        folder: The folder.
+        fingerprint: Hash of the case, which a checkpoint must have been made with.
+        overwrite: Whether results in the folder are to be replaced.
+        resume: Whether the run continues from the folder's checkpoint.
+        announce: Called with a message if a damaged checkpoint is passed over.
+
+    Returns:
+        The checkpoint to continue from, or None.
+
+    Raises:
+        InputError: The folder cannot be used so.
+    """
+    if overwrite and resume:
+        raise InputError(str(folder), "", "give either --overwrite or --resume, not both")
+    if folder.exists() and not folder.is_dir():
+        raise InputError(str(folder), "", "is a file; the output must be a folder")
+    if resume:
+        return load_checkpoint(folder, fingerprint, announce=announce)
+    if (folder / SUMMARY).exists() and not overwrite:
+        raise InputError(
+            str(folder), "", "already has results; use --overwrite to replace or --resume to continue them"
+        )
+    _refuse_unwritable(folder)
+    return None
+
+
+def remove_results(folder: Path) -> None:
+    """Remove the results of an earlier run, so that none of them can be mistaken for this one's."""
+    for name in (ANIMATION, SUMMARY, checkpoint_file.NAME, checkpoint_file.PREVIOUS):
+        (folder / name).unlink(missing_ok=True)
+
+
+def _refuse_unwritable(folder: Path) -> None:
+    parent = folder
+    while not parent.exists():
+        parent = parent.parent
+    if not parent.is_dir():
+        raise InputError(str(folder), "", f"cannot be made: {parent} is a file")
+    if not os.access(parent, os.W_OK | os.X_OK):
+        raise InputError(str(folder), "", f"cannot be written: no permission in {parent}")

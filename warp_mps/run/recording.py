@@ -1,0 +1,172 @@
+"""The recording of a run: its observers, and a summary that is kept up to date until the end."""
+
+from __future__ import annotations
+
+import contextlib
+import time
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from warp_mps.errors import RunError
+from warp_mps.observers import checkpoint as checkpoint_file
+from warp_mps.observers.base import Observer
+from warp_mps.observers.checkpoint import CheckpointWriter
+from warp_mps.observers.frames import FrameRecorder
+from warp_mps.observers.guard import Guard
+from warp_mps.observers.guest import guests
+from warp_mps.observers.momentum import MomentumMonitor
+from warp_mps.observers.probes import ProbeRecorder
+from warp_mps.observers.progress import Progress
+from warp_mps.results.settings import scene_settings
+from warp_mps.results.summary import RunSummary, energy_record, measurement_rows
+from warp_mps.run.folder import ANIMATION, PROBES, SUMMARY, remove_results
+from warp_mps.run.provenance import fingerprint, provenance, versions
+from warp_mps.run.schedule import Trigger
+from warp_mps.run.simulation import Simulation
+
+
+class Recording:
+    """A run with its observers and its summary, run.json.
+
+    Attributes:
+        observers: All observers, in the order in which they are called.
+
+    Args:
+        simulation: The simulation, at its start or restored.
+        folder: Folder of the results.
+        progress: Shows how far the run is.
+        resumed: Whether results in the folder are continued.
+        interval: Wall time between two checkpoints [s].
+        observers: Observers of the user, called after those that record.
+
+    Raises:
+        InputError: A probe is in no body, an observer of the user is none, or results to continue do not fit.
+        OSError: The folder cannot be written.
+    """
+
+    observers: list[Observer]
+
+    def __init__(
+        self,
+        simulation: Simulation,
+        folder: Path,
+        progress: Progress,
+        *,
+        resumed: bool,
+        interval: float,
+        observers: Sequence[Observer] = (),
+    ) -> None:
+        scene, particles, clock = simulation.scene, simulation.particles, simulation.clock
+        self._simulation, self._folder = simulation, folder
+        self._first_step = simulation.steps_done
+        progress.every = clock.sample_every
+        given = guests(observers)
+        for observer in given:
+            Trigger(clock, observer.every, observer.interval)  # refuses invalid ones before anything is removed
+
+        def last_kept(every: int) -> float | None:
+            """Time up to which results stay: a run that was to end off the grid has one row and frame too many."""
+            return clock.time(simulation.step // every * every) if resumed else None
+
+        # only probes can still refuse the scene, so they come before anything is removed
+        self._probes = ProbeRecorder(
+            folder / PROBES,
+            scene,
+            particles,
+            every=clock.sample_every,
+            resume_after=last_kept(clock.sample_every),
+        )
+        if not resumed:
+            remove_results(folder)
+        self._momentum = MomentumMonitor(every=clock.frame_every)
+        self.observers = [
+            # first, so that no invalid state is recorded
+            Guard(every=clock.sample_every, time_step=clock.dt, energy=scene.analysis != "static"),
+            self._momentum,
+            self._probes,
+            FrameRecorder(
+                folder / ANIMATION,
+                scene,
+                particles,
+                every=clock.frame_every,
+                provenance=provenance(simulation),
+                resume_after=last_kept(clock.frame_every),
+            ),
+            CheckpointWriter(
+                folder,
+                fingerprint(scene, simulation.precision),
+                every=clock.frame_every,
+                interval=interval,
+                results=(folder / PROBES, folder / ANIMATION),
+            ),
+            # after all that record, so that a moment at which one of them fails is kept
+            *given,
+            progress,
+        ]
+        counts = np.diff(particles.ranges, axis=1).ravel()
+        self._summary = RunSummary(
+            case=scene.name,
+            device=simulation.device,
+            precision=simulation.precision,
+            versions=versions(),
+            dimension=scene.dimension,
+            particles={name: int(count) for name, count in zip(particles.names, counts, strict=True)},
+            settings=scene_settings(scene),
+        )
+
+    def execute(self) -> RunSummary:
+        """Run to the end, and say in run.json how it went, whatever happens.
+
+        Raises:
+            RunError: The run had to be stopped, or a file can no longer be written.
+            KeyboardInterrupt: It was interrupted.
+        """
+        begin = time.perf_counter()
+        try:
+            self._summary.write(self._folder / SUMMARY)
+            self._simulation.run(self.observers)
+            self._finish("done", "", begin)
+        except OSError as error:
+            reason = f"{error.filename}: cannot be written: {error.strerror}"
+            self._give_up(reason, begin)
+            raise RunError(reason) from error
+        except KeyboardInterrupt:
+            kept = (self._folder / checkpoint_file.NAME).exists()
+            self._give_up("interrupted" + "; continue with --resume" * kept, begin)
+            raise
+        except BaseException as error:
+            self._give_up(str(error) if isinstance(error, RunError) else repr(error), begin)
+            raise
+        return self._summary
+
+    def _give_up(self, reason: str, begin: float) -> None:
+        """Say why in run.json, if that can still be written: the first error counts."""
+        with contextlib.suppress(OSError):
+            self._finish("failed", reason, begin)
+
+    def _finish(self, status: str, reason: str, begin: float) -> None:
+        simulation, history = self._simulation, self._probes.history
+        wall = time.perf_counter() - begin
+        particles, steps = simulation.particles, simulation.steps_done - self._first_step
+        solvers: dict[str, Any] = {**simulation.record()}
+        done = {"solid": steps * particles.elastic, "fluid": steps * particles.liquid}
+        self._summary = replace(
+            self._summary,
+            status=status,
+            reason=reason,
+            steps=simulation.steps_done,
+            time=simulation.time,
+            wall_seconds=wall,
+            particle_steps_per_second={
+                kind: count / wall if wall > 0.0 and count else None for kind, count in done.items()
+            },
+            energy=energy_record(history, fluids=bool(simulation.scene.fluids)),
+            momentum_error=self._momentum.error,
+            measurements=measurement_rows(simulation.scene, history),
+            **solvers,
+        )
+        self._summary.write(self._folder / SUMMARY)

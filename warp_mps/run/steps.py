@@ -1,0 +1,134 @@
+"""How the steps of a run are launched: one by one, as replayed graphs, or by several threads."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any, Protocol
+
+from warp_mps.run.schedule import Clock
+from warp_mps.run.system import PacedSystem
+
+if TYPE_CHECKING:
+    from warp_mps.elastic.explicit.solid import Phase, Solid
+
+# steps in a graph that is replayed as one: long enough that the launch from Python does not count
+BLOCK = 32
+
+
+class Steps(Protocol):
+    """A way to launch the steps of a run.
+
+    Attributes:
+        block: Steps that are launched together.
+    """
+
+    block: int
+
+    def take(self, first: int, count: int) -> None:
+        """Take some steps, after `first` that were done before.
+
+        Raises:
+            RunError: A step, or an equilibrium, could not be solved, or a fluid particle is too fast.
+        """
+
+    def reopen(self) -> None:
+        """Make steps possible again after one that failed."""
+
+
+class PacedSteps:
+    """Steps of a system that decides on the host how each one goes on.
+
+    Args:
+        system: The system.
+        clock: Gives the time after a step.
+    """
+
+    block = 1
+
+    def __init__(self, system: PacedSystem, clock: Clock) -> None:
+        self._system, self._clock = system, clock
+
+    def take(self, first: int, count: int) -> None:
+        """Take the steps one by one."""
+        for step in range(first, first + count):
+            self._system.advance(self._clock.time(step + 1))
+
+    def reopen(self) -> None:
+        """Do nothing: a failed step leaves the system as it was restored."""
+
+
+class ReplayedSteps:
+    """Explicit steps of elastic bodies, launched as one graph.
+
+    Args:
+        solid: The bodies.
+        device: Warp device.
+        graphs: Whether to; if not, every kernel is launched by itself, with the same result.
+    """
+
+    block = BLOCK
+
+    def __init__(self, solid: Solid, device: Any, *, graphs: bool) -> None:
+        from warp_mps.core.replay import Replay
+
+        self._solid, self._replay = solid, Replay(device=device, graphs=graphs)
+
+    def take(self, first: int, count: int) -> None:
+        """Take the steps as one graph."""
+        self._replay(f"{count} steps", lambda: _repeat(self._solid.step, count))
+
+    def reopen(self) -> None:
+        """Do nothing: graphs stay."""
+
+
+class ThreadedSteps:
+    """Explicit steps of elastic bodies by several CPU threads, with the same result as by one.
+
+    Args:
+        solid: The bodies.
+        particles: Number of their particles.
+        device: Warp device.
+        threads: Number of threads.
+    """
+
+    block = BLOCK
+
+    def __init__(self, solid: Solid, particles: int, device: Any, threads: int) -> None:
+        self._solid, self._particles, self._device, self._threads = solid, particles, device, threads
+        self._team = self._make_team()
+
+    def take(self, first: int, count: int) -> None:
+        """Take the steps, each thread on its share of the particles."""
+        self._team.run(count)
+
+    def reopen(self) -> None:
+        """Start new threads if the old ones have ended."""
+        if self._team.closed:
+            self._team = self._make_team()
+
+    def _make_team(self) -> Any:
+        """Threads with a graph each for every section of a step; sections that do not split are the first thread's."""
+        import warp as wp
+
+        from warp_mps.core.replay import capture
+        from warp_mps.core.threads import Team, shares
+
+        def task(section: Sequence[Phase], share: tuple[int, int]) -> Callable[[], None]:
+            def launch() -> None:
+                for phase in section:
+                    phase.launch(*share)
+
+            return functools.partial(wp.capture_launch, capture(launch, self._device))
+
+        count, threads = self._particles, self._threads
+        sections = [
+            [task(section, share) for share in (shares(count, threads) if section[0].splits else [(0, count)])]
+            for section in self._solid.sections()
+        ]
+        return Team([tasks + [None] * (threads - len(tasks)) for tasks in sections], threads)
+
+
+def _repeat(launch: Callable[[], None], times: int) -> None:
+    for _ in range(times):
+        launch()
