@@ -372,9 +372,9 @@ def test_stepping_by_hand() -> None:
     assert simulation.step == 3
     simulation.step_to(150e-6)
     assert simulation.step == 150
-    for time in (149e-6, float("nan")):
+    for moment in (149e-6, float("nan")):
         with pytest.raises(InputError, match=r"time: is .* s, must be finite and not before 0.00015 s"):
-            simulation.step_to(time)
+            simulation.step_to(moment)
 
 
 def test_what_is_read_cannot_be_written_to() -> None:
