@@ -13,7 +13,8 @@ from tests.elastic.states import rigid_displacement, strain
 from tests.run.test_simulation import everything
 from tests.scenes import HAMILTONIAN, angular_momentum, block, random, scene_of
 from warp_mps.particles.filling import fill_scene
-from warp_mps.run.simulation import BLOCK, Simulation
+from warp_mps.run.simulation import Simulation
+from warp_mps.run.steps import BLOCK
 from warp_mps.scene import LAWS, Body, Material, Scene, Support, VelocityField
 from warp_mps.shapes import Box
 
