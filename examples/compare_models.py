@@ -1,7 +1,7 @@
-"""Both elastic models on the same beam, against its natural frequency, as the particles get smaller.
+"""Both elastic models on the same beam: convergence of its natural frequency.
 
-Physics: a beam of 0.16 x 0.02 m (E 10 MPa, nu 0.3, 1000 kg/m^3, plane stress) on vertical rollers that hold its two end
-sections; gravity is switched on at rest, and the middle swings in the first bending mode.
+Physics: a beam of 0.16 x 0.02 m (E 10 MPa, nu 0.3, 1000 kg/m^3, plane stress) on vertical rollers at its two end
+sections. Gravity is switched on at rest, and the middle vibrates in the first bending mode.
 Reference: 217.1 rad/s, 2-D elasticity by quadratic finite elements.
 Run time: 15 s on one core, 2 s with --quick (without the finest).
 Command: python examples/compare_models.py [--quick]
@@ -24,7 +24,7 @@ RUBBER = mps.Material(density=1000.0, youngs_modulus=1e7, poissons_ratio=0.3)
 
 
 def beam(model: str, layers: int, duration: float) -> mps.Scene:
-    """The beam with so many particles through its thickness."""
+    """The beam with a number of particles through its thickness."""
     body = mps.Body(
         name="beam",
         shape=mps.Box((LENGTH, THICKNESS), center=(LENGTH / 2, 0.0)),

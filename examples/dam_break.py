@@ -1,11 +1,11 @@
-"""A column of water collapses: how fast its front runs, and what the wall at the end feels.
+"""A dam break: the position of the front, and the force on the far wall.
 
-Physics: water, 0.146 m wide and twice as high, is let go at the end of a tank of 0.584 m.
-Reference: the front's place after 0.066, 0.133 and 0.2 s in the experiment of Koshizuka and Oka (1996): 0.183, 0.276
-and 0.382 m. Calculations without a barrier that is lifted first, and without friction, run ahead of it.
-Run time: 4 s on one core, 1 s with --quick (12 particles over the column's width instead of 24).
+Physics: a column of water, 0.146 m wide and twice as high, is released at one end of a tank of 0.584 m.
+Reference: the position of the front after 0.066, 0.133 and 0.2 s in the experiment of Koshizuka and Oka (1996): 0.183,
+0.276 and 0.382 m. Computations without friction, and without a barrier that is lifted, run ahead of it.
+Run time: 4 s on one core, 1 s with --quick (12 instead of 24 particles across the column).
 Command: python examples/dam_break.py [--quick]
-Expect: fronts 6, 11 and 17 % ahead (2, 9, 17 % with --quick), an impact after 0.26 s, no energy from nothing.
+Expect: fronts 6, 11 and 17 % ahead (2, 9, 17 % with --quick), an impact after 0.26 s, and no gain of energy.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ EXPERIMENT = {0.066: 0.183, 0.133: 0.276, 0.200: 0.382}
 
 
 def dam(across: int) -> mps.Scene:
-    """The column with so many particles over its width."""
+    """The column with a number of particles across it."""
     l0 = WIDTH / across
     thick, high = 4 * l0, 0.45
     return mps.Scene(
@@ -51,7 +51,7 @@ def dam(across: int) -> mps.Scene:
 
 
 def main(quick: bool = False) -> dict[str, float]:
-    """Run it; the lead of the front at each time, when the wall is struck [s], and the gain of energy."""
+    """Run it; the relative lead of the front at each time, the time of the impact [s], and the gain of energy [-]."""
     with tempfile.TemporaryDirectory() as folder:
         mps.run_scene(dam(12 if quick else 24), folder, quiet=True)
         history = mps.read_history(f"{folder}/probes.csv")
@@ -60,11 +60,11 @@ def main(quick: bool = False) -> dict[str, float]:
     for time, known in EXPERIMENT.items():
         print(f"front after {time:.3f} s: {np.interp(time, times, front):.3f} m, experiment {known:.3f} m")
     struck = float(times[np.argmax(push > 0.02 * push.max())])
-    # energies count from the start; all that the water has to lose is its height above the floor
+    # energies are relative to the start, in units of the potential energy above the floor
     totals = np.array([energy.kinetic + energy.potential for energy in history.energies()])
     totals /= 1000.0 * 9.81 * WIDTH * HEIGHT**2 / 2.0
-    print(f"the wall is struck after {struck:.3f} s; it feels {push.max():.0f} N/m at most")
-    print(f"of the water's energy {-totals[-1]:.1%} is lost, and never more than {totals.max():.2%} gained")
+    print(f"impact on the wall after {struck:.3f} s; largest force {push.max():.0f} N/m")
+    print(f"the water loses {-totals[-1]:.1%} of its energy, and never gains more than {totals.max():.2%}")
     return {**leads, "struck": struck, "gain": float(totals.max())}
 
 

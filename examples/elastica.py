@@ -1,7 +1,7 @@
-"""A slender cantilever under a tip load that bends it far beyond small deflections, at rest.
+"""Large deflections of a slender cantilever under a tip load: a static analysis.
 
-Physics: a strip of 1 x 0.05 m (E 100 MPa, nu 0, plane stress), clamped at x = 0, with a load P at its tip that stays
-vertical. A static analysis finds the equilibrium in ten increments, up to P L^2 / EI = 5.
+Physics: a strip of 1 x 0.05 m (E 100 MPa, nu 0, plane stress), clamped at x = 0, with a vertical dead load P at its
+tip. A static analysis finds the equilibrium in ten increments, up to P L^2 / EI = 5.
 Reference: the elastica, an inextensible beam without shear: tip at 0.9436, -0.3017 (P L^2 / EI = 1), 0.8394, -0.4935
 (2) and 0.6124, -0.7138 (5) (Mattiasson, *Numerical results from large deflection beam and frame problems analysed by
 means of elliptic integrals*, 1981).
@@ -29,7 +29,7 @@ REFERENCE = {1.0: (1.0 - 0.05643, -0.30172), 2.0: (1.0 - 0.16064, -0.49346), 5.0
 
 
 def strip(layers: int) -> mps.Scene:
-    """The strip with so many particles through its thickness; two more columns stand in the clamp."""
+    """The strip with a number of particles through its thickness; two more columns lie in the clamp."""
     l0 = THICKNESS / layers
     material = mps.Material(density=1000.0, youngs_modulus=YOUNGS_MODULUS, poissons_ratio=0.0)
     shape = mps.Box((LENGTH + 2 * l0, THICKNESS), center=(LENGTH / 2 - l0, 0.0))
@@ -55,7 +55,7 @@ def strip(layers: int) -> mps.Scene:
 
 
 def main(quick: bool = False) -> float:
-    """Run it and print the tip beside the reference; the greatest distance of the two [m]."""
+    """Run it and print the tip beside the reference; the largest distance between them [m]."""
     with tempfile.TemporaryDirectory() as folder:
         mps.run_scene(strip(4 if quick else 8), folder, quiet=True)
         history = mps.read_history(f"{folder}/probes.csv")

@@ -1,11 +1,11 @@
-"""Three plates of different density float side by side: each as deep as Archimedes says.
+"""Three plates of different density float side by side at the draught of Archimedes.
 
-Physics: elastic plates of 0.12 m by 20 mm, a quarter, a half and three quarters as dense as water, are laid on water as
-deep in it as they must float, and left to themselves.
-Reference: Archimedes: the draught is density over that of water times the thickness, 5, 10 and 15 mm.
+Physics: elastic plates of 0.12 m by 20 mm, a quarter, a half and three quarters as dense as water, start at
+their draught and float freely.
+Reference: Archimedes: the draught is the relative density times the thickness, 5, 10 and 15 mm.
 Run time: 40 s on one core, 4 s with --quick (0.2 s instead of 2 s).
 Command: python examples/floating_plates.py [--quick]
-Expect: draughts that are within 0.5 mm, a tenth of a spacing, and plates that drift by no more than half a spacing.
+Expect: draughts within 0.5 mm, a tenth of a spacing, and a drift of at most half a spacing.
 """
 
 from __future__ import annotations
@@ -77,7 +77,7 @@ def main(quick: bool = False) -> dict[float, float]:
     for density in DENSITIES:
         name = f"plate_{density:.0f}"
         y = np.asarray(history.probe(name, 1))[late]
-        # the level is where it was at the start: the plates take the place of as much water as they weigh
+        # the level stays: the plates displace as much water as they weigh
         draught, expected = DEPTH - (y.mean() - THICKNESS / 2), density / 1000.0 * THICKNESS
         drift = history.probe(name, 0)[-1] - history.probe(name, 0)[0]
         errors[density] = float(draught - expected)

@@ -1,11 +1,11 @@
-"""A block on a slope: it slides with what friction leaves of its weight, and sticks where that is nothing.
+"""A block on a slope with Coulomb friction: it slides below the critical coefficient, and sticks above it.
 
-Physics: a block of rubber, 0.08 x 0.04 m (E 1 MPa, nu 0.3, 1000 kg/m^3), on a rigid slope of 20 degrees, which is made
-by turning gravity; coefficients of friction of 0, 0.1, 0.2 and 0.5.
+Physics: a block of rubber, 0.08 x 0.04 m (E 1 MPa, nu 0.3, 1000 kg/m^3), on a rigid slope of 20 degrees (gravity is
+rotated); coefficients of friction of 0, 0.1, 0.2 and 0.5.
 Reference: Coulomb: s = g (sin a - mu cos a) t^2 / 2 where mu < tan a = 0.364, and else 0.
 Run time: 3 s on one core, 2 s with --quick (half the time).
 Command: python examples/friction.py [--quick]
-Expect: the ways within 1 % of the reference; with a friction of 0.5 the block gives by 0.04 mm, and stays.
+Expect: distances within 1 % of the reference; at a coefficient of 0.5 the block gives by 0.04 mm, and sticks.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ L0 = 0.01  # [m]
 
 
 def slope(friction: float, duration: float) -> mps.Scene:
-    """A block on a slope with that friction."""
+    """A block on a slope with a coefficient of friction."""
     block = mps.Body(name="block", shape=mps.Box((0.08, 0.04), center=(0.0, 0.02)), material=RUBBER, spacing=L0)
     floor = mps.Wall(name="slope", shape=mps.Box((0.8, 0.02), center=(0.3, -0.01)), spacing=L0)
     return mps.Scene(
@@ -41,7 +41,7 @@ def slope(friction: float, duration: float) -> mps.Scene:
 
 
 def expected(friction: float, duration: float) -> float:
-    """The way along the slope [m]."""
+    """The distance along the slope [m]."""
     return 0.5 * GRAVITY * max(math.sin(ANGLE) - friction * math.cos(ANGLE), 0.0) * duration**2
 
 
@@ -49,7 +49,7 @@ def expected(friction: float, duration: float) -> float:
 
 
 def main(quick: bool = False) -> dict[float, tuple[float, float]]:
-    """Run every friction and print the ways; by friction the way and what it should be [m]."""
+    """Run and print every coefficient; the distance and its reference by the coefficient [m]."""
     duration, ways = 0.2 if quick else 0.4, {}
     with tempfile.TemporaryDirectory() as folder:
         for friction in (0.0, 0.1, 0.2, 0.5):

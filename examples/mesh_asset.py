@@ -1,12 +1,12 @@
-"""A case that is made of an asset: a stage that references a mesh in another file, and says what it is.
+"""A case made of an asset: a stage references a mesh in another file, and gives it a role.
 
-Physics: a rubber ring (a torus, 60 mm across its middle line, 24 mm thick; E 10 MPa, nu 0.45, 1100 kg/m^3) tumbles
-through space, turning about one of its diameters, without gravity.
+Physics: a rubber ring (a torus, 60 mm across its middle line, 24 mm thick; E 10 MPa, nu 0.45, 1100 kg/m^3) rotates
+about one of its diameters, without gravity.
 Reference: the volume 2 pi^2 R r^2 = 0.0853 litres and, of a rigid ring, the angular momentum
-m (R^2/2 + 5 r^2/8) omega = 0.000507 kg m^2/s; both kept, the ring being nearly rigid at 10 rad/s.
-Run time: 12 s on one core, 3 s with --quick (3 instead of 2 mm between particles).
+m (R^2/2 + 5 r^2/8) omega = 0.000507 kg m^2/s; both are conserved, and the ring is nearly rigid at 10 rad/s.
+Run time: 12 s on one core, 3 s with --quick (a spacing of 3 instead of 2 mm).
 Command: python examples/mesh_asset.py [--quick]
-Expect: both within 0.3 %, 2 % with --quick, and the angular momentum kept to 1e-10 of it.
+Expect: both within 0.3 %, 2 % with --quick, and a change of the angular momentum below 1e-10.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ def write_asset(path: Path, around: int = 96, across: int = 48) -> None:
 
 
 def write_case(path: Path, asset: str, spacing: float) -> None:
-    """A stage in millimetres owner_of one body is the asset."""
+    """A stage in millimetres whose one body is the asset."""
     stage, types = Usd.Stage.CreateNew(str(path)), Sdf.ValueTypeNames
     UsdGeom.SetStageMetersPerUnit(stage, 0.001)
     UsdPhysics.SetStageKilogramsPerUnit(stage, 1.0)
@@ -91,7 +91,7 @@ def main(quick: bool = False) -> tuple[float, float, float]:
     inertia = DENSITY * exact * (MIDDLE**2 / 2 + 5 * HALF**2 / 8) * 1e-6
     errors = volume / exact - 1.0, momentum[0] / (inertia * SPIN) - 1.0, float(np.ptp(momentum) / momentum[0])
     print(f"volume {1e3 * volume:.4f} litres ({errors[0]:+.2%}), {summary.particles['Ring']} particles")
-    print(f"angular momentum {momentum[0]:.6f} kg m^2/s ({errors[1]:+.2%}), kept to {errors[2]:.0e}")
+    print(f"angular momentum {momentum[0]:.6f} kg m^2/s ({errors[1]:+.2%}), relative change {errors[2]:.0e}")
     return errors
 
 

@@ -1,8 +1,8 @@
 """What a run leaves in its folder, and how to read it: history, summary and animation.
 
 Physics: two rubber rings collide (the shipped case `ring_collision`, of Robortella, Nishimoto and Cheng).
-Reference: what the animation holds must agree with what the history says: the same momentum and kinetic energy from
-the particles' velocities, and the same path of the rings' middles from their places.
+Reference: animation and history must agree: the same momentum and kinetic energy from the velocities of the particles,
+and the same path of the centre of each ring from their positions.
 Run time: 2 s on one core, 1 s with --quick (a third of the time).
 Command: python examples/read_results.py [--quick]
 Expect: agreement to 1e-6, the seven digits of the animation; the momentum of both together is zero.
@@ -20,7 +20,7 @@ from pxr import Usd, UsdGeom
 
 import warp_mps as mps
 
-# --- a run with some more probes than the case has
+# --- a run with more probes than the case has
 
 
 def run(folder: Path, duration: float) -> mps.Scene:
@@ -40,7 +40,7 @@ def run(folder: Path, duration: float) -> mps.Scene:
 
 
 def read_animation(path: Path) -> dict[str, dict[str, np.ndarray]]:
-    """Times [s], places [m] and velocities [m/s] of every body, shapes [frames] and [frames, n, 3]."""
+    """Times [s], positions [m] and velocities [m/s] of every body, shapes [frames] and [frames, n, 3]."""
     stage = Usd.Stage.Open(str(path))
     unit, rate = UsdGeom.GetStageMetersPerUnit(stage), stage.GetTimeCodesPerSecond()
     bodies = {}

@@ -1,9 +1,9 @@
-"""The period of a standing wave in a tank as its depth changes: a parametric study.
+"""The period of a standing wave in a tank by the depth of the water: a parametric study.
 
-Physics: water in a tank 0.5 m long, 0.05 to 0.2 m deep, starts flat with the velocities of the first standing wave
-(half a wave fits into the tank) and sloshes.
+Physics: water in a tank 0.5 m long, 0.05 to 0.2 m deep, starts with a flat surface and the velocities of the first
+standing wave, half a wave length of which fits into the tank.
 Reference: linear waves, omega^2 = g k tanh(k H) with k = pi / 0.5 m.
-Run time: 40 s on one core for four depths, 5 s with --quick (two depths, and particles twice as wide).
+Run time: 40 s on one core for four depths, 5 s with --quick (two depths, at twice the spacing).
 Command: python examples/waves.py [--quick]
 Expect: periods of 1.45, 1.07, 0.93 and 0.87 s at 0.05, 0.1, 0.15 and 0.2 m, within 1 %; 2 % with --quick.
 """
@@ -28,7 +28,7 @@ def period(depth: float) -> float:
 
 
 def tank(depth: float, l0: float) -> mps.Scene:
-    """Water of that depth in a tank, with a wave of a twentieth of it."""
+    """Water in a tank, with a wave amplitude of a twentieth of its depth."""
     omega, thick = 2.0 * math.pi / period(depth), 4 * l0
     wave = mps.VelocityField(
         kind="standing_wave",

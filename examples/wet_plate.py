@@ -1,6 +1,6 @@
-"""A plate that is the bottom of a tank swings the slower the more water stands on it, with which it moves as one.
+"""The added mass of water: the frequency of a plate at the bottom of a tank falls with the depth of the water.
 
-Physics: an aluminium plate of 1 m by 50 mm, clamped at both ends, takes up its weight and that of the water, at once.
+Physics: an aluminium plate of 1 m by 50 mm, clamped at both ends; its weight and that of the water are applied at once.
 Reference: the frequency of a clamped beam (Rao, Mechanical Vibrations, section 8.5), with the shear that 2-D elasticity
 has, and the added mass of potential flow in a tank of the depth H: with the mode sum a_n cos(n pi x/L) of unit mean
 square, rho (a_0^2 H + 1/2 sum a_n^2 tanh(n pi H/L) L/(n pi)) (Lamb, Hydrodynamics, section 228).
@@ -27,7 +27,7 @@ LAYERS = 3
 
 
 def tank(depth: float) -> mps.Scene:
-    """The plate under so much water [m], or without any."""
+    """The plate under a depth of water [m], which may be 0."""
     l0 = THICKNESS / LAYERS
     over, thick, high = 2 * l0, 4 * l0, depth + 0.1
     plate = mps.Body(
@@ -56,7 +56,7 @@ def tank(depth: float) -> mps.Scene:
         gravity=(0.0, -9.81),
         duration=0.06 if depth else 0.02,
         frame_rate=100.0,
-        sample_rate=5000.0,  # the longest step is a sample's
+        sample_rate=5000.0,  # the interval between samples is the longest step
     )
 
 

@@ -14,7 +14,7 @@ from warp_mps.shapes import Box
 from warp_mps.usd.animation.writer import AnimationWriter
 
 RATE = 100.0
-# a plane that is upright in a stage owner_of unit is the centimetre
+# a plane that is upright in a stage whose unit is the centimetre
 UPRIGHT = StageFrame(axes="xz", up_axis="Z", meters_per_unit=0.01, kilograms_per_unit=0.001)
 SPACE = StageFrame(axes="xyz", up_axis="Z")
 STRESS = np.array([[1.0, 4.0, 0.0], [4.0, 2.0, 0.0], [0.0, 0.0, 3.0]])

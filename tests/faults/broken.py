@@ -1,4 +1,4 @@
-"""Files that are no stages, or that lead astray; each is written into a folder, owner_of stage it returns."""
+"""Files that are no stages, or that lead astray; each is written into a folder, whose stage it returns."""
 
 from __future__ import annotations
 

@@ -35,7 +35,7 @@ def killed(case: Case, out: Path, rows: int) -> str:
 
 
 def terminated(case: Case, out: Path, rows: int) -> str:
-    """End a run as a batch system does owner_of time is up."""
+    """End a run as a batch system does whose time is up."""
     return _interrupted(case, out, rows, signal.SIGTERM)
 
 

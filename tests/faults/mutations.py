@@ -51,7 +51,7 @@ def prims(layer: Sdf.Layer) -> list[Sdf.PrimSpec]:
 
 
 def attributes(layer: Sdf.Layer, good: Callable[[Any], bool] = lambda _: True) -> list[Sdf.AttributeSpec]:
-    """All attributes of a layer owner_of value is as it should be."""
+    """All attributes of a layer whose value is as it should be."""
     found = [item for prim in prims(layer) for item in prim.attributes]
     return [item for item in found if item.default is not None and good(item.default)]
 

@@ -135,7 +135,7 @@ def measurement_rows(scene: Scene, history: History) -> list[dict[str, Any]]:
 
     Returns:
         A row for each: ``name, value, unit, reference, error, source``, and how it was drawn: the ``measure``, the
-        ``column`` of probes.csv, the ``window`` of time [s], owner_of end may be None, and ``at``. The error is
+        ``column`` of probes.csv, the ``window`` of time [s], whose end may be None, and ``at``. The error is
         (value - reference)/|reference|, None without a reference or where it is 0. A value that cannot be drawn is
         None, and ``reason`` then says why.
     """

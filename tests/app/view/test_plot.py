@@ -18,7 +18,7 @@ LABELS = (TIME_LABEL, "tip.x [m]", "tip.y [m]", "middle.x [m]", "middle.y [m]", 
 
 
 def history() -> History:
-    """A tip owner_of components are near each other, a middle owner_of are not, a pressure, and energies of a fall."""
+    """A tip whose components are near each other, a middle whose are not, a pressure, and energies of a fall."""
     times = np.linspace(0.0, 1.0, 11)
     rows = [
         (t, 0.1 * t, t**2, 5.0 + 0.1 * t, 0.1 * t, 3e4 * t, 2.0 * t, 0.0, 0.0, 100.0 - 2.0 * t, 0.0, 0.0) for t in times
