@@ -1,15 +1,39 @@
-"""The package as a whole: its public names, and the first simulations of the README and the documentation."""
+"""The package as a whole: its public names, what the documentation links, and the first simulations that it shows."""
 
 from __future__ import annotations
 
 import re
+from importlib import import_module
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 import warp_mps
 
 ROOT = Path(__file__).resolve().parent.parent
+
+
+def linked_names() -> list[str]:
+    """Names of the package that the documentation links to its reference, such as `warp_mps.core.weights`."""
+    pages = [path.read_text(encoding="utf-8") for path in (ROOT / "docs").rglob("*.md")]
+    return sorted({name for page in pages for name in re.findall(r"\[`?(warp_mps[\w.]+)`?\]", page)})
+
+
+def find(name: str) -> Any:
+    """The module, or what it holds, of a dotted name.
+
+    Raises:
+        ModuleNotFoundError: There is no such module.
+        AttributeError: It holds no such thing.
+    """
+    try:
+        return import_module(name)
+    except ModuleNotFoundError:
+        module, _, attribute = name.rpartition(".")
+        if not module:
+            raise
+        return getattr(find(module), attribute)
 
 
 def python_blocks(path: str) -> list[str]:
@@ -25,6 +49,16 @@ def test_every_public_name_leads_to_something_documented(name: str) -> None:
 def test_what_is_not_public_is_an_attribute_error() -> None:
     with pytest.raises(AttributeError, match="no attribute 'nothing'"):
         _ = warp_mps.nothing
+
+
+def test_the_reference_lists_every_public_name() -> None:
+    listed = re.findall(r"^::: warp_mps\.(\w+)$", (ROOT / "docs/reference/api.md").read_text(encoding="utf-8"), re.M)
+    assert sorted(listed) == sorted(warp_mps.__all__)
+
+
+@pytest.mark.parametrize("name", linked_names())
+def test_the_documentation_links_what_there_is(name: str) -> None:
+    assert find(name).__doc__
 
 
 @pytest.mark.parametrize(("number", "folder"), [(0, "first"), (1, "dam"), (2, "flap")])
