@@ -31,6 +31,7 @@ def test_every_example_says_what_it_does_and_what_to_expect(name: str) -> None:
     assert len(text.splitlines()) <= 120
 
 
+@pytest.mark.long
 def test_compare_models() -> None:
     errors = main_of("compare_models.py")(layers=(4, 8), duration=0.06)
     assert errors["springs", 4] == pytest.approx(-0.048, abs=0.003)
@@ -49,11 +50,13 @@ def test_steel_bar() -> None:
     assert abs(errors["deflection"]) < 0.015
 
 
+@pytest.mark.long
 def test_friction() -> None:
     for friction, (way, expected) in main_of("friction.py")(quick=True).items():
         assert way == pytest.approx(expected, rel=0.01, abs=1e-4), friction
 
 
+@pytest.mark.long
 def test_waves() -> None:
     for depth, error in main_of("waves.py")(quick=True).items():
         assert abs(error) < 0.02, depth
@@ -66,6 +69,7 @@ def test_dam_break() -> None:
     assert found["gain"] < 0.01
 
 
+@pytest.mark.long
 def test_mesh_asset() -> None:
     volume, momentum, change = main_of("mesh_asset.py")(quick=True)
     assert abs(volume) < 0.02
@@ -86,6 +90,7 @@ def test_read_results() -> None:
     assert max(found.values()) < 1e-6
 
 
+@pytest.mark.long
 def test_wet_plate() -> None:
     errors = main_of("wet_plate.py")(quick=True)
     assert set(errors) == {0.0, 0.25}
@@ -93,6 +98,7 @@ def test_wet_plate() -> None:
     assert abs(errors[0.25]) < 0.01
 
 
+@pytest.mark.long
 def test_floating_plates() -> None:
     errors = main_of("floating_plates.py")(quick=True)
     assert set(errors) == {250.0, 500.0, 750.0}

@@ -16,6 +16,7 @@ import pytest
 
 from tests.usd.case.stages import write
 from warp_mps.app.bench import coupling as bench_coupling
+from warp_mps.app.bench import solids as bench_solids
 from warp_mps.app.cli import COMMANDS, main
 from warp_mps.results.history import read_history
 from warp_mps.scene import Fluid, Material, Probe, Scene
@@ -186,7 +187,8 @@ def test_an_interrupt_ends_cleanly(tmp_path: Path) -> None:
     assert read_history(out / "probes.csv").last_time > 0.0
 
 
-def test_bench_prints_speeds_and_shares(capsys: pytest.CaptureFixture[str]) -> None:
+def test_bench_prints_speeds_and_shares(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(bench_solids, "ROUND_SECONDS", 0.02)
     options = ["--sizes", "100", "--of", "elastic", "--dimensions", "2", "--precisions", "float64"]
     assert main(["bench", *options]) == 0
     text = capsys.readouterr().out

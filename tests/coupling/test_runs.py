@@ -10,7 +10,7 @@ import pytest
 
 from tests.bits import assert_restored_goes_on, assert_same_bits, states
 from tests.coupling.scenes import EXPLICIT, IMPLICIT, RUBBING, WAYS, afloat, busy, hung
-from tests.fluid.scenes import KINDS, L0
+from tests.fluid.scenes import L0
 from warp_mps.coupling import added_mass
 from warp_mps.fluid import time_loop
 from warp_mps.results.history import read_history
@@ -22,7 +22,15 @@ ALL_WAYS = [RUBBING, IMPLICIT]
 
 
 @pytest.mark.parametrize("way", WAYS)
-@pytest.mark.parametrize(("dimension", "precision"), KINDS)
+@pytest.mark.parametrize(
+    ("dimension", "precision"),
+    [
+        (2, "float64"),
+        pytest.param(2, "float32", marks=pytest.mark.long),
+        pytest.param(3, "float64", marks=pytest.mark.long),
+        (3, "float32"),
+    ],
+)
 def test_graphs_and_kernels_give_the_same_bits_and_the_same_run_twice(
     way: dict, dimension: int, precision: str
 ) -> None:
@@ -34,7 +42,7 @@ def test_graphs_and_kernels_give_the_same_bits_and_the_same_run_twice(
         assert_same_bits(states(Simulation(scene, precision=precision, graphs=graphs), *chunks), expected)
 
 
-@pytest.mark.parametrize("way", ALL_WAYS)
+@pytest.mark.parametrize("way", [pytest.param(RUBBING, marks=pytest.mark.long), IMPLICIT])
 def test_a_restored_run_goes_on_to_the_same_bits(way: dict, monkeypatch: pytest.MonkeyPatch) -> None:
     """While particles are sorted, steps change their length, and mobilities are measured anew."""
     monkeypatch.setattr(time_loop, "SORT_EVERY", 25)
@@ -52,7 +60,7 @@ def test_a_restored_run_goes_on_to_the_same_bits(way: dict, monkeypatch: pytest.
 
 
 @pytest.mark.parametrize("way", ALL_WAYS)
-@pytest.mark.parametrize("first", [0.06, 0.05])
+@pytest.mark.parametrize("first", [pytest.param(0.06, marks=pytest.mark.long), 0.05])
 def test_a_run_in_two_parts_is_the_run_in_one(
     way: dict, first: float, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

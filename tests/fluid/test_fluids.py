@@ -221,7 +221,7 @@ def test_lists_grow_where_particles_crowd(viscosity: float) -> None:
             np.testing.assert_array_equal(getattr(other, name), getattr(runs[0], name), err_msg=name)
 
 
-@pytest.mark.parametrize("dimension", [2, 3])
+@pytest.mark.parametrize("dimension", [2, pytest.param(3, marks=pytest.mark.long)])
 def test_lists_have_room_for_the_crowds_of_a_dam_break(dimension: int) -> None:
     cells, room = ((12, 24), (36, 26)) if dimension == 2 else ((6, 12, 6), (18, 14, 6))
     fluids = fluids_of(tank(cells, room=room))

@@ -6,13 +6,14 @@ part in time whatever the difference at the start.
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 import pytest
 
-from tests.bits import assert_same_bits, states
+from tests.bits import State, assert_same_bits, states
 from tests.coupling.scenes import EXPLICIT, IMPLICIT
 from tests.elastic.contact.test_walls import pushed
 from tests.elastic.hamiltonian.test_motion import hamiltonian
@@ -58,13 +59,25 @@ CASES = {
 }
 
 
+@functools.cache
+def whole(name: str, precision: str) -> tuple[Simulation, list[State]]:
+    """A run at its end, and its states after the first step, after half of the steps and at the end."""
+    simulation = Simulation(CASES[name].make(), precision=precision)
+    return simulation, states(simulation, *parts(name))
+
+
+def parts(name: str) -> tuple[int, int, int]:
+    """Numbers of steps into which a run is cut."""
+    steps = CASES[name].steps
+    return 1, steps // 2, steps - steps // 2 - 1
+
+
 @pytest.mark.parametrize("precision", PRECISIONS)
 @pytest.mark.parametrize("name", CASES)
 def test_twice_and_eager_the_same_bits(name: str, precision: str) -> None:
-    case = CASES[name]
-    parts = (1, case.steps // 2, case.steps - case.steps // 2 - 1)
-    runs = [Simulation(case.make(), precision=precision, graphs=graphs) for graphs in (True, True, False)]
-    first, again, eager = (states(run, *parts) for run in runs)
+    _, first = whole(name, precision)
+    runs = [Simulation(CASES[name].make(), precision=precision, graphs=graphs) for graphs in (True, False)]
+    again, eager = (states(run, *parts(name)) for run in runs)
     assert any(np.abs(values).max() > 0.0 for key, values in first[-1].items() if key.endswith(("u", "v")))
     assert_same_bits(again, first)
     assert_same_bits(eager, first)
@@ -72,11 +85,7 @@ def test_twice_and_eager_the_same_bits(name: str, precision: str) -> None:
 
 @pytest.mark.parametrize("name", CASES)
 def test_single_precision_stays_near_double(name: str) -> None:
-    case = CASES[name]
-    runs = [Simulation(case.make(), precision=precision) for precision in PRECISIONS]
-    for run in runs:
-        run.advance(case.steps)
-    double, single = runs
+    double, single = (whole(name, precision)[0] for precision in PRECISIONS)
     differences = {}
     for quantity in ("displacements", "velocities"):
         a, b = getattr(double, quantity), getattr(single, quantity)
@@ -85,4 +94,4 @@ def test_single_precision_stays_near_double(name: str) -> None:
     for part in ("kinetic", "elastic", "contact", "work", "dissipated"):
         differences[part] = abs(getattr(single.energy, part) - getattr(double.energy, part)) / scale
     print(name, ", ".join(f"{key} {value:.1e}" for key, value in differences.items()))
-    assert max(differences.values()) < case.single
+    assert max(differences.values()) < CASES[name].single

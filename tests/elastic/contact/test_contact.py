@@ -37,8 +37,15 @@ def two_particles(
     return scene_of(light, heavy, dimension=dimension, **{"time_step": 1e-6, **scene})
 
 
-@pytest.mark.parametrize("precision", ["float64", "float32"])
-@pytest.mark.parametrize("dimension", [2, 3])
+@pytest.mark.parametrize(
+    ("dimension", "precision"),
+    [
+        (2, "float64"),
+        pytest.param(3, "float64", marks=pytest.mark.long),
+        pytest.param(2, "float32", marks=pytest.mark.long),
+        (3, "float32"),
+    ],
+)
 def test_two_particles_collide_head_on(dimension: int, precision: str) -> None:
     """Masses 1 and 4 that repel by the softer material's law, until it is relaxed again."""
     simulation = Simulation(two_particles(dimension), precision=precision)
