@@ -118,9 +118,13 @@ def _answers(process: subprocess.Popen, patience: float) -> bool:
 
 
 def _processor_time(pid: int) -> float:
-    """Processor time of a process and of its children that have ended [s]."""
-    fields = Path(f"/proc/{pid}/stat").read_text(encoding="ascii").rpartition(")")[2].split()
-    return sum(map(int, fields[11:15])) / os.sysconf("SC_CLK_TCK")
+    """Processor time of a process and of its children that have ended [s]; 0 if it is gone."""
+    try:
+        text = Path(f"/proc/{pid}/stat").read_text(encoding="ascii")
+    except FileNotFoundError:
+        return 0.0
+    # utime, stime, cutime and cstime of proc_pid_stat(5), after the name, which may hold anything
+    return sum(map(int, text.rpartition(")")[2].split()[11:15])) / os.sysconf("SC_CLK_TCK")
 
 
 def serve() -> None:
