@@ -55,6 +55,7 @@ def test_the_column_starts_as_its_series_says() -> None:
         assert found == pytest.approx(expected, rel=0.01)
 
 
+@pytest.mark.long
 def test_potential_flow_keeps_volume_and_energy(inviscid: Collapse) -> None:
     np.testing.assert_allclose(inviscid.volumes, inviscid.volumes[0], rtol=3e-3)
     np.testing.assert_allclose(inviscid.energies, inviscid.energies[0], rtol=5e-3)
@@ -62,6 +63,7 @@ def test_potential_flow_keeps_volume_and_energy(inviscid: Collapse) -> None:
     assert np.all(np.diff(inviscid.heights) < 0.0)
 
 
+@pytest.mark.long
 def test_fronts_of_potential_flow_do_not_depend_on_the_elements(inviscid: Collapse) -> None:
     fine = collapse(end=1.4, longest=0.06, shortest=0.01)
     for front in FRONTS[:3]:
@@ -69,6 +71,7 @@ def test_fronts_of_potential_flow_do_not_depend_on_the_elements(inviscid: Collap
 
 
 @pytest.mark.validation
+@pytest.mark.long
 @pytest.mark.parametrize("scheme", ["conservative", "koshizuka_oka"])
 def test_the_front_tends_to_that_of_potential_flow(scheme: str, inviscid: Collapse) -> None:
     """It is late by about one spacing, two without images in the floor, from the start on, and then as fast."""

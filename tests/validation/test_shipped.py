@@ -6,6 +6,8 @@ resolution.
 
 from __future__ import annotations
 
+import functools
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -191,19 +193,33 @@ COUPLED_TOLERANCES: dict[str, dict[str, float]] = {
     },
 }
 
+# one of each kind, of about a second
+QUICK = ("beam_second_mode_as_published", "block_on_wall", "turek_csm1")
 SLOW = ("dam_break_3d",)
 
 
-def run_case(name: str, folder: Path) -> RunSummary:
-    return run_scene(read_stage(shipped_cases()[name]), folder, quiet=True)
+RunCase = Callable[[str], tuple[RunSummary, Path]]
+
+
+@pytest.fixture(scope="module")
+def run_case(tmp_path_factory: pytest.TempPathFactory) -> RunCase:
+    """Runs a shipped case when a test first asks for it; gives its summary and the folder of its results."""
+
+    @functools.cache
+    def run(name: str) -> tuple[RunSummary, Path]:
+        folder = tmp_path_factory.mktemp(name)
+        return run_scene(read_stage(shipped_cases()[name]), folder, quiet=True), folder
+
+    return run
 
 
 @pytest.mark.validation
-@pytest.mark.long
-@pytest.mark.parametrize("name", TOLERANCES)
-def test_results_lie_within_their_tolerances(name: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    "name", [name if name in QUICK else pytest.param(name, marks=pytest.mark.long) for name in TOLERANCES]
+)
+def test_results_lie_within_their_tolerances(name: str, run_case: RunCase) -> None:
     tolerances, drift = TOLERANCES[name]
-    summary = run_case(name, tmp_path)
+    summary, _ = run_case(name)
     errors = {row["name"]: row["error"] for row in summary.measurements if row["reference"] is not None}
     assert errors.keys() == tolerances.keys(), "every reference has a tolerance"
     assert {key: abs(error) <= tolerances[key] for key, error in errors.items()} == dict.fromkeys(tolerances, True)
@@ -218,9 +234,9 @@ def test_results_lie_within_their_tolerances(name: str, tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     "name", [pytest.param(name, marks=pytest.mark.slow) if name in SLOW else name for name in FLUID_TOLERANCES]
 )
-def test_results_of_fluids_lie_within_their_tolerances(name: str, tmp_path: Path) -> None:
+def test_results_of_fluids_lie_within_their_tolerances(name: str, run_case: RunCase) -> None:
     tolerances = FLUID_TOLERANCES[name]
-    summary = run_case(name, tmp_path)
+    summary, _ = run_case(name)
     errors = {row["name"]: row["error"] for row in summary.measurements if row["reference"] is not None}
     assert errors.keys() == tolerances.keys(), "every reference has a tolerance"
     assert {key: abs(error) <= tolerances[key] for key, error in errors.items()} == dict.fromkeys(tolerances, True)
@@ -230,12 +246,11 @@ def test_results_of_fluids_lie_within_their_tolerances(name: str, tmp_path: Path
 
 
 @pytest.mark.validation
-@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.parametrize("name", COUPLED_TOLERANCES)
-def test_results_of_coupled_cases_lie_within_their_tolerances(name: str, tmp_path: Path) -> None:
+def test_results_of_coupled_cases_lie_within_their_tolerances(name: str, run_case: RunCase) -> None:
     tolerances = COUPLED_TOLERANCES[name]
-    summary = run_case(name, tmp_path)
+    summary, _ = run_case(name)
     errors = {row["name"]: row["error"] for row in summary.measurements if row["reference"] is not None}
     assert errors.keys() == tolerances.keys(), "every reference has a tolerance"
     assert {key: abs(error) <= tolerances[key] for key, error in errors.items()} == dict.fromkeys(tolerances, True)
@@ -244,13 +259,13 @@ def test_results_of_coupled_cases_lie_within_their_tolerances(name: str, tmp_pat
 
 @pytest.mark.validation
 @pytest.mark.long
-def test_the_block_is_thrown_back_turning(tmp_path: Path) -> None:
+def test_the_block_is_thrown_back_turning(run_case: RunCase) -> None:
     """The paper's figure 6 in numbers: it rises again, turns, and carries what the base gave it."""
-    summary = run_case("block_on_elastic_base", tmp_path)
+    summary, folder = run_case("block_on_elastic_base")
     values = {row["name"]: row["value"] for row in summary.measurements}
     assert 0.2 < values["restitution"] < 1.0
     assert abs(values["final turn"]) > 0.1
-    history = read_history(tmp_path / "probes.csv")
+    history = read_history(folder / "probes.csv")
     impulse = _integral(history.times, history.probe("block_force", 1))
     momentum = history.probe("block_momentum", 1)
     assert impulse == pytest.approx(momentum[-1] - momentum[0], rel=0.01)
@@ -258,10 +273,10 @@ def test_the_block_is_thrown_back_turning(tmp_path: Path) -> None:
 
 @pytest.mark.validation
 @pytest.mark.long
-def test_the_ball_leaves_straight_upwards(tmp_path: Path) -> None:
+def test_the_ball_leaves_straight_upwards(run_case: RunCase) -> None:
     """Though its lattice is shifted against the floor's; friction takes a thousandth of its energy, and adds none."""
-    summary = run_case("rubber_drop_3d", tmp_path)
-    history = read_history(tmp_path / "probes.csv")
+    summary, folder = run_case("rubber_drop_3d")
+    history = read_history(folder / "probes.csv")
     up = history.probe("ball_velocity", 1)
     assert up[-1] > 0.9 * -up[0]
     for axis in (0, 2):
@@ -272,20 +287,18 @@ def test_the_ball_leaves_straight_upwards(tmp_path: Path) -> None:
 
 @pytest.mark.validation
 @pytest.mark.long
-def test_the_column_swings_in_the_period_of_a_small_twist(tmp_path: Path) -> None:
+def test_the_column_swings_in_the_period_of_a_small_twist(run_case: RunCase, tmp_path: Path) -> None:
     """As its stage says; energy is kept through the greatest turn and back."""
     scene = read_stage(shipped_cases()["twisting_column_3d"])
     (column,) = scene.bodies
     assert column.velocity_field is not None
     small = replace(column, velocity_field=replace(column.velocity_field, rate=0.01))
-    periods = []
-    for name, body in (("large", column), ("small", small)):
-        summary = run_scene(replace(scene, bodies=(body,)), tmp_path / name, quiet=True)
-        periods.append(next(row["value"] for row in summary.measurements if row["name"] == "period"))
+    large, folder = run_case("twisting_column_3d")
+    summaries = (large, run_scene(replace(scene, bodies=(small,)), tmp_path, quiet=True))
+    periods = [row["value"] for summary in summaries for row in summary.measurements if row["name"] == "period"]
     assert periods[0] == pytest.approx(periods[1], rel=0.002)
-    history = read_history(tmp_path / "large" / "probes.csv")
-    turn = history.probe("turn_at_1_m", 1)
-    # a twist this large is no mode any more: some of its energy goes into others on the way
+    turn = read_history(folder / "probes.csv").probe("turn_at_1_m", 1)
+    # a twist this large is not a pure mode: some of its energy goes into others on the way
     assert turn.max() == pytest.approx(-turn.min(), rel=0.05)
 
 
