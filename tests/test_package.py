@@ -1,45 +1,10 @@
-"""The package as a whole: its public names, what the documentation links, and the first simulations that it shows."""
+"""The package as a whole: its public names."""
 
 from __future__ import annotations
-
-import functools
-import re
-from importlib import import_module
-from pathlib import Path
-from typing import Any
 
 import pytest
 
 import warp_mps
-
-ROOT = Path(__file__).resolve().parent.parent
-
-
-def linked_names() -> list[str]:
-    """Names of the package that the documentation links to its reference, such as `warp_mps.core.weights`."""
-    pages = [path.read_text(encoding="utf-8") for path in (ROOT / "docs").rglob("*.md")]
-    return sorted({name for page in pages for name in re.findall(r"\[`?(warp_mps[\w.]+)`?\]", page)})
-
-
-def find(name: str) -> Any:
-    """The module, or what it holds, of a dotted name.
-
-    Raises:
-        ModuleNotFoundError: There is no such module.
-        AttributeError: It holds no such thing.
-    """
-    try:
-        return import_module(name)
-    except ModuleNotFoundError:
-        module, _, attribute = name.rpartition(".")
-        if not module:
-            raise
-        return getattr(find(module), attribute)
-
-
-def python_blocks(path: str) -> list[str]:
-    """The Python code in a Markdown file."""
-    return re.findall(r"```python\n(.*?)```", (ROOT / path).read_text(encoding="utf-8"), re.DOTALL)
 
 
 @pytest.mark.parametrize("name", warp_mps.__all__)
@@ -50,43 +15,3 @@ def test_every_public_name_leads_to_something_documented(name: str) -> None:
 def test_what_is_not_public_is_an_attribute_error() -> None:
     with pytest.raises(AttributeError, match="no attribute 'nothing'"):
         _ = warp_mps.nothing
-
-
-def test_the_reference_lists_every_public_name() -> None:
-    listed = re.findall(r"^::: warp_mps\.(\w+)$", (ROOT / "docs/reference/api.md").read_text(encoding="utf-8"), re.M)
-    assert sorted(listed) == sorted(warp_mps.__all__)
-
-
-@pytest.mark.parametrize("name", linked_names())
-def test_the_documentation_links_what_there_is(name: str) -> None:
-    assert find(name).__doc__
-
-
-@pytest.mark.parametrize("part", [0.1, pytest.param(1.0, marks=pytest.mark.long)])
-@pytest.mark.parametrize(("number", "folder"), [(0, "first"), (1, "dam"), (2, "flap")])
-def test_the_first_simulations_of_the_readme_run(
-    number: int, folder: str, part: float, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Over a part of their durations, and in the longer layer as they are printed."""
-    shorter = functools.partial(re.sub, r"duration=([0-9.]+)", lambda found: f"duration={part * float(found[1])}")
-    blocks = [shorter(block) for block in python_blocks("README.md")]
-    code = blocks[number]
-    assert len([line for line in code.splitlines() if line.strip()]) <= 9
-    monkeypatch.chdir(tmp_path)
-    scope: dict = {}
-    if folder == "flap":  # continues the script before it
-        exec(re.sub(r"summary = .*", "", blocks[number - 1]), scope)
-    exec(code, scope)
-    assert scope["summary"].status == "done"
-    assert scope["summary"].case == folder
-    assert Path(f"runs/{folder}/run.usdc").exists()
-
-
-def test_the_moving_tank_of_the_first_steps_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    (code,) = python_blocks("docs/first-steps.md")
-    assert "duration=1.0" in code
-    monkeypatch.chdir(tmp_path)
-    scope: dict = {}
-    exec(code.replace("duration=1.0", "duration=0.05"), scope)
-    assert scope["summary"].status == "done"
-    assert Path("runs/baffle/run.usdc").exists()

@@ -94,7 +94,7 @@ def run_scene(
 
 
 def _remark_on_closed_fluid(simulation: Simulation) -> list[str]:
-    """A line about a fluid that walls extend_view, and that pulls at them where it has its place."""
+    """A line about a fluid without a free surface whose negative pressures are clipped."""
     scene = simulation.scene
     if not scene.fluids or scene.bodies or scene.flow.negative_pressure != "clipped":
         return []
