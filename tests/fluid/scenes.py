@@ -10,7 +10,7 @@ import numpy as np
 from warp_mps.core.device import load_modules, open_device
 from warp_mps.core.types import numeric_types
 from warp_mps.fluid.fluids import Fluids, declare_kernels
-from warp_mps.fluid.planes import SAME_FACE
+from warp_mps.fluid.mirror_planes import SAME_FACE
 from warp_mps.particles.filling import fill_scene
 from warp_mps.scene import Flow, Fluid, Scene, Wall
 from warp_mps.shapes import Box

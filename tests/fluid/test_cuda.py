@@ -8,14 +8,9 @@ import pytest
 import warp as wp
 
 from warp_mps.core.types import PRECISIONS, numeric_types
+from warp_mps.fluid import METHOD
 from warp_mps.fluid.fluids import declare_kernels
-from warp_mps.fluid.gradient import gradient_kernels
-from warp_mps.fluid.lists import METHOD, list_kernels
-from warp_mps.fluid.motion import motion_kernels
-from warp_mps.fluid.planes import plane_kernels
-from warp_mps.fluid.pressure import pressure_kernels
-from warp_mps.fluid.viscous import viscous_kernels
-from warp_mps.fluid.volumes import volume_kernels
+from warp_mps.fluid.kernels import FACTORIES, fluid_kernels
 
 
 @pytest.mark.long
@@ -26,13 +21,13 @@ def test_every_kernel_compiles_for_cuda(dimension: int, precision: str, tmp_path
     assert numbers.module(METHOD) in declare_kernels(numbers)
     wp.compile_aot_module(numbers.module(METHOD), arch=80, module_dir=tmp_path, use_ptx=True)
     code = "".join(file.read_text() for file in tmp_path.glob("*.ptx"))
-    made = (list_kernels, plane_kernels, pressure_kernels, gradient_kernels, motion_kernels, viscous_kernels)
     kernels = [
         (make.__name__, name)
-        for make in (*made, volume_kernels)
+        for make in FACTORIES
         for name, item in vars(make(numbers)).items()
         if isinstance(item, wp.Kernel)
     ]
     assert len(kernels) > 12
+    assert {name for _, name in kernels} <= vars(fluid_kernels(numbers)).keys()
     missing = [kernel for kernel in kernels if ".entry {}__locals__{}_".format(*kernel) not in code]
     assert missing == []

@@ -23,8 +23,9 @@ from tests.fluid.scenes import (
     wall_count,
     water,
 )
+from warp_mps.fluid.collisions import KEPT_APART, RESTITUTION
 from warp_mps.fluid.fluids import Fluids
-from warp_mps.fluid.motion import KEPT_APART, LARGEST_SHIFT, RESTITUTION, SHIFT
+from warp_mps.fluid.shifting import LARGEST_SHIFT, SHIFT
 from warp_mps.scene import Flow, Liquid, Wall
 
 NU = 0.01

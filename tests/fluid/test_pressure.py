@@ -23,8 +23,8 @@ from tests.fluid.scenes import (
 )
 from tests.fluid.scenes import wall_count as walls_of
 from warp_mps.fluid.fluids import Fluids
-from warp_mps.fluid.planes import LARGEST_STRETCH, LEAST_SPREAD
-from warp_mps.fluid.pressure import (
+from warp_mps.fluid.mirror_planes import LARGEST_STRETCH, LEAST_SPREAD
+from warp_mps.fluid.pressure.rows import (
     DAMPING,
     DISORDER,
     LARGEST_ERROR,

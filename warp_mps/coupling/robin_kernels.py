@@ -1,7 +1,7 @@
 """Kernels of the exchange between water and elastic bodies.
 
 The water sees a body as a wall of markers (`warp_mps.coupling.interface`). The pressure Poisson equation sees a marker
-j by its acceleration a_j alone (`warp_mps.fluid.pressure`): as -rho sum_j c a_j . x_ij on the right-hand side of a
+j by its acceleration a_j alone (`warp_mps.fluid.pressure.rows`): as -rho sum_j c a_j . x_ij on the right-hand side of a
 fluid particle i, c = laplacian * w; beside a flat face x_ij stands for x_ij - tilt_i, here and in what follows. How a_j
 answers to pressure is approximated by a mobility b_j, acceleration per force, with the forces V sum_l c p_l x_lj, which
 in a half-space are those of `warp_mps.fluid.gradient`: the matrix gets rho V sum_j b_j (c x_ij) . sum_l c p_l x_lj,
@@ -21,7 +21,7 @@ from warp_mps.core.linear.kernels import FRESH
 from warp_mps.core.periodic import displacement_function
 from warp_mps.core.types import NumericTypes
 from warp_mps.core.weights import weight_function
-from warp_mps.fluid.pressure import CLOSEST
+from warp_mps.fluid.pressure.rows import CLOSEST
 
 METHOD = "coupling"
 

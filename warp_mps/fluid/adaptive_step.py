@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import warp as wp
 
+from warp_mps.fluid.kernels import fluid_kernels
 from warp_mps.fluid.model import FluidModel
-from warp_mps.fluid.motion import motion_kernels
 from warp_mps.fluid.state import FluidState
 
 # particles that one thread goes through when a maximum is sought
@@ -29,7 +29,7 @@ class AdaptiveTimeStep:
     """
 
     def __init__(self, model: FluidModel, state: FluidState) -> None:
-        self._model, self._state, self._kernels = model, state, motion_kernels(model.types)
+        self._model, self._state, self._kernels = model, state, fluid_kernels(model.types)
         device = model.device
         self.dt, self.displacement, self.target, self.end = (
             wp.zeros(1, dtype=wp.float64, device=device) for _ in range(4)
@@ -45,9 +45,9 @@ class AdaptiveTimeStep:
     def choose(self) -> None:
         """Launch the choice of the next step: dt = min(longest, C l0 / max |u|), and equal steps up to the target."""
         model, state = self._model, self._state
-        model.launch(self._kernels.fastest, len(self._speeds), [CHUNK, state.u], [self._speeds])
+        model.launch(self._kernels.square_speeds, len(self._speeds), [CHUNK, state.u], [self._speeds])
         inputs = [self.longest, model.courant * model.spacing, self._speeds, self.target, state.time]
-        model.launch(self._kernels.plan, 1, inputs, [self.dt, self.displacement, self.steps_left, self.end])
+        model.launch(self._kernels.choose_time_step, 1, inputs, [self.dt, self.displacement, self.steps_left, self.end])
 
     def replace(self, dt: float, steps_left: int) -> float:
         """Take another step instead of the chosen one, and return the time at its end [s].
@@ -65,4 +65,4 @@ class AdaptiveTimeStep:
 
     def advance_clock(self) -> None:
         """Launch the end of the step: the state's time becomes `end`, and its steps one more."""
-        self._model.launch(self._kernels.tick, 1, [self.end], [self._state.time, self._state.steps])
+        self._model.launch(self._kernels.advance_clock, 1, [self.end], [self._state.time, self._state.steps])

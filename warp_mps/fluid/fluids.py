@@ -11,18 +11,13 @@ from warp_mps.core.linear.conjugate_gradient import declare_kernels as declare_s
 from warp_mps.core.multigrid.preconditioner import declare_kernels as declare_multilevel
 from warp_mps.core.types import NumericTypes
 from warp_mps.elastic.output.stresses import StressFields
+from warp_mps.fluid import METHOD
 from warp_mps.fluid.failures import FluidFailures
-from warp_mps.fluid.gradient import gradient_kernels
-from warp_mps.fluid.lists import METHOD, list_kernels
+from warp_mps.fluid.kernels import fluid_kernels
 from warp_mps.fluid.model import fluid_model
-from warp_mps.fluid.motion import motion_kernels
-from warp_mps.fluid.planes import plane_kernels
-from warp_mps.fluid.pressure import pressure_kernels
 from warp_mps.fluid.readings import FluidReadings
 from warp_mps.fluid.step import FluidStep
 from warp_mps.fluid.time_loop import TimeLoop
-from warp_mps.fluid.viscous import viscous_kernels
-from warp_mps.fluid.volumes import volume_kernels
 from warp_mps.particles.particles import Particles
 from warp_mps.results.energy import Energy
 from warp_mps.scene import Scene
@@ -31,16 +26,7 @@ from warp_mps.walls.poses import declare_rigid
 
 def declare_kernels(types: NumericTypes) -> list[str]:
     """Declare every kernel that fluids need, and return the names of their modules."""
-    for declare in (
-        list_kernels,
-        plane_kernels,
-        pressure_kernels,
-        gradient_kernels,
-        motion_kernels,
-        viscous_kernels,
-        volume_kernels,
-    ):
-        declare(types)
+    fluid_kernels(types)
     return [types.module(METHOD), *declare_solver(types), *declare_multilevel(types), declare_rigid(types)]
 
 

@@ -1,6 +1,6 @@
 """Pressure forces: of particles on each other, and of the fluid on the walls.
 
-Force per volume on particle i, with c = gradient * g/r_e^2 of each pair (`warp_mps.fluid.operators`):
+Force per volume on particle i, with c = gradient * g/r_e^2 of each pair (`warp_mps.fluid.operator_constants`):
 
     conservative:   -sum_j c (s_i + s_j)/2 (p_i + p_j) x_ij   equal and opposite; it keeps particles evenly spaced
     corrected:      -C_i sum_j c (p_j - p_i) x_ij             exact for linear fields, C_i^-1 = sum_j c x_ij x_ij
@@ -9,7 +9,8 @@ Force per volume on particle i, with c = gradient * g/r_e^2 of each pair (`warp_
 s_i = d / sum_j c r^2 makes up for particles that do not lie as on a lattice, 1 there; it is bounded, for at the surface
 it would count what is not there. The pressure of a wall's particle is that of the fluid particle that looks at it, plus
 rho (g - a) . x_ij, and never below 0. In the conservative scheme a flat wall also continues what the slope of the
-pressure along it differs by from that of water at rest (`warp_mps.fluid.planes`), or it would hold the water back.
+pressure along it differs by from that of water at rest (`warp_mps.fluid.mirror_planes`), or it would hold the water
+back.
 
 Where both pressures of a pair add up to a pull, which happens only if negative pressures are allowed, the conservative
 force takes p_j - p_i (Sun, Colagrossi, Marrone, Antuono & Zhang 2018), for a pull clusters particles.
@@ -27,9 +28,10 @@ import warp as wp
 from warp_mps.core.periodic import displacement_function
 from warp_mps.core.types import NumericTypes
 from warp_mps.core.weights import weight_function
-from warp_mps.fluid.lists import METHOD
-from warp_mps.fluid.planes import LEAST_SPREAD, plane_kernels
-from warp_mps.fluid.pressure import CONSERVATIVE, CORRECTED, LEAST_DETERMINANT, pressure_kernels
+from warp_mps.fluid import METHOD
+from warp_mps.fluid.mirror_planes import LEAST_SPREAD, mirror_plane_kernels
+from warp_mps.fluid.pressure.rows import LEAST_DETERMINANT, pressure_kernels
+from warp_mps.fluid.schemes import CONSERVATIVE, CORRECTED
 
 # closest distance that a force sees, in effective radii: what is closer is two particles that collide
 CLOSEST = 0.02
@@ -37,12 +39,12 @@ CLOSEST = 0.02
 
 @functools.cache
 def gradient_kernels(types: NumericTypes) -> SimpleNamespace:
-    """Kernels `find_slopes`, `push`, `push_walls` and `wall_pressure`."""
+    """Kernels `wall_tangential_gradient`, `pressure_velocity_change`, `pressure_wall_impulse` and `wall_pressure`."""
     real, vec, mat, d = types.real, types.vec, types.mat, types.dimension
     vec64 = wp.types.vector(length=d, dtype=wp.float64)
     displacement, weight = displacement_function(types), weight_function(types)
-    slope = pressure_kernels(types).slope
-    spread = plane_kernels(types).spread
+    gradient_weight = pressure_kernels(types).gradient_weight
+    tangential_moment = mirror_plane_kernels(types).tangential_moment
 
     @types.func(METHOD)
     def beyond(p_i: real, step: real, clip: wp.int32) -> real:
@@ -64,7 +66,7 @@ def gradient_kernels(types: NumericTypes) -> SimpleNamespace:
         return p_j - p_min
 
     @types.kernel(METHOD)
-    def find_slopes(
+    def wall_tangential_gradient(
         # Model:
         walls: wp.int32,
         period: vec,
@@ -98,7 +100,7 @@ def gradient_kernels(types: NumericTypes) -> SimpleNamespace:
                 x_ij = displacement(x_i, x[j], period)
                 square = wp.dot(x_ij, x_ij)
                 if square < radius * radius:
-                    c = gradient * slope(wp.static(CONSERVATIVE), wp.sqrt(square), radius)
+                    c = gradient * gradient_weight(wp.static(CONSERVATIVE), wp.sqrt(square), radius)
                     if j < walls:
                         pull += c * (gravity - a[j])
                         weights += c
@@ -107,14 +109,14 @@ def gradient_kernels(types: NumericTypes) -> SimpleNamespace:
                         total += (c * real(p[j - walls] - p[k])) * x_ij
                         moments += c * wp.outer(x_ij, x_ij)
             n = normal[k]
-            own = spread(moments, n)
+            own = tangential_moment(moments, n)
             if own > real(LEAST_SPREAD):
                 total = (total - (density / weights) * (moments * pull)) / own
                 result = total - wp.dot(total, n) * n
         slope_out[k] = result
 
     @types.kernel(METHOD)
-    def push(
+    def pressure_velocity_change(
         # Model:
         walls: wp.int32,
         scheme: wp.int32,
@@ -156,7 +158,7 @@ def gradient_kernels(types: NumericTypes) -> SimpleNamespace:
             square = wp.dot(x_ij, x_ij)
             if square < radius * radius:
                 r = wp.max(wp.sqrt(square), real(CLOSEST) * radius)
-                c = gradient * slope(scheme, r, radius)
+                c = gradient * gradient_weight(scheme, r, radius)
                 p_j = real(p[wp.max(j - walls, 0)])
                 s_j = scale[wp.max(j - walls, 0)]
                 step = real(0.0)
@@ -177,7 +179,7 @@ def gradient_kernels(types: NumericTypes) -> SimpleNamespace:
         du_out[k] = (-real(dt[0]) / density) * total
 
     @types.kernel(METHOD)
-    def push_walls(
+    def pressure_wall_impulse(
         # Model:
         walls: wp.int32,
         scheme: wp.int32,
@@ -216,7 +218,7 @@ def gradient_kernels(types: NumericTypes) -> SimpleNamespace:
             square = wp.dot(x_ij, x_ij)
             if square < radius * radius:
                 r = wp.max(wp.sqrt(square), real(CLOSEST) * radius)
-                c = gradient * slope(scheme, r, radius)
+                c = gradient * gradient_weight(scheme, r, radius)
                 p_i = real(p[i - walls])
                 p_j = beyond(p_i, density * wp.dot(gravity - a[j], x_ij), clip)
                 pressed = pair(wp.static(CONSERVATIVE), p_i, p_j, p_i) + wp.dot(along[i - walls], x_ij)
@@ -258,4 +260,9 @@ def gradient_kernels(types: NumericTypes) -> SimpleNamespace:
             total = total / weights
         p_out[j] = wp.float64(total)
 
-    return SimpleNamespace(find_slopes=find_slopes, push=push, push_walls=push_walls, wall_pressure=wall_pressure)
+    return SimpleNamespace(
+        wall_tangential_gradient=wall_tangential_gradient,
+        pressure_velocity_change=pressure_velocity_change,
+        pressure_wall_impulse=pressure_wall_impulse,
+        wall_pressure=wall_pressure,
+    )

@@ -10,15 +10,13 @@ import numpy as np
 import warp as wp
 
 from warp_mps.core.types import NumericTypes
+from warp_mps.fluid.collisions import COLLISION, KEPT_APART
 from warp_mps.fluid.domain import domain
-from warp_mps.fluid.motion import COLLISION, KEPT_APART
-from warp_mps.fluid.operators import Operators, operators
-from warp_mps.fluid.pressure import CONSERVATIVE, CORRECTED, KOSHIZUKA_OKA
+from warp_mps.fluid.operator_constants import Operators, operators
+from warp_mps.fluid.schemes import CONSERVATIVE, CORRECTED, KOSHIZUKA_OKA, SCHEMES
 from warp_mps.fluid.time_step import step_limit
 from warp_mps.particles.particles import Particles
 from warp_mps.scene import Scene
-
-SCHEMES = {"conservative": CONSERVATIVE, "corrected": CORRECTED, "koshizuka_oka": KOSHIZUKA_OKA}
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

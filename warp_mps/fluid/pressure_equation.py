@@ -9,10 +9,10 @@ import warp as wp
 
 from warp_mps.core.linear.conjugate_gradient import ConjugateGradient, Matrix, Product
 from warp_mps.core.multigrid.preconditioner import Multilevel
-from warp_mps.fluid.lists import NeighbourLists
+from warp_mps.fluid.kernels import fluid_kernels
 from warp_mps.fluid.model import FluidModel
-from warp_mps.fluid.planes import plane_kernels
-from warp_mps.fluid.pressure import CONSERVATIVE, pressure_kernels
+from warp_mps.fluid.neighbours import NeighbourLists
+from warp_mps.fluid.schemes import CONSERVATIVE
 from warp_mps.fluid.state import FluidState
 
 # fluid particles that one thread goes through when the least pressure is sought
@@ -27,10 +27,10 @@ class PressureEquation:
         matrix: A; its arrays have room for as many entries a row as the neighbour lists have.
         rhs: b, float64 [m].
         surface: 1 for particles of the free surface, else 0, int32 [m].
-        density_scale: Factor of the density in gradients [-], see `warp_mps.fluid.pressure`, real [m].
+        density_scale: Factor of the density in gradients [-], see `warp_mps.fluid.pressure.rows`, real [m].
         normal: Unit normal of the wall's face that a particle is beside, else 0, vec [m].
         depth: Distance from that face [m], 0 if there is none, real [m].
-        tilt: Offset of a particle's pair vectors to walls beside a face [m], see `warp_mps.fluid.pressure`, vec [m].
+        tilt: Offset of a particle's pair vectors to walls beside a face [m], vec [m]; see there.
         solver: What solves it.
 
     Args:
@@ -42,7 +42,7 @@ class PressureEquation:
     def __init__(self, model: FluidModel, state: FluidState, neighbours: NeighbourLists) -> None:
         self._model, self._state, self._neighbours = model, state, neighbours
         types, m = model.types, model.count
-        self._kernels, self._plane_kernels = pressure_kernels(types), plane_kernels(types)
+        self._kernels = fluid_kernels(types)
         self.matrix = Matrix(
             rows=wp.array([m], dtype=wp.int32, device=model.device),
             first=self._zeros(m, wp.int32),
@@ -102,7 +102,7 @@ class PressureEquation:
         if model.scheme == CONSERVATIVE:
             inputs = [model.walls, lists.period, model.operators.radius, model.spacing, lists.listed, lists.count]
             outputs = [self.normal, self.depth]
-            model.launch(self._plane_kernels.find_planes, model.count, [*inputs, self._state.x], outputs)
+            model.launch(self._kernels.find_mirror_planes, model.count, [*inputs, self._state.x], outputs)
 
     def solve(self) -> None:
         """Launch the solve from the last pressures, and clip negative ones or make the least of a closed fluid 0."""
@@ -123,8 +123,8 @@ class PressureEquation:
     def _bound(self, singular: wp.array | None) -> None:
         """Clip negative pressures, or make the least pressure 0 where constants are in the null space."""
         model, p = self._model, self._state.p
-        model.launch(self._kernels.least, len(self._least), [CHUNK, p], [self._least])
-        model.launch(self._kernels.lift, model.count, [model.clip, singular, self._least], [p])
+        model.launch(self._kernels.chunk_minima, len(self._least), [CHUNK, p], [self._least])
+        model.launch(self._kernels.set_level, model.count, [model.clip, singular, self._least], [p])
 
     def _zeros(self, length: int, kind: Any) -> wp.array:
         return wp.zeros(length, dtype=kind, device=self._model.device)

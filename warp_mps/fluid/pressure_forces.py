@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import warp as wp
 
-from warp_mps.fluid.gradient import gradient_kernels
-from warp_mps.fluid.lists import NeighbourLists
+from warp_mps.fluid.kernels import fluid_kernels
 from warp_mps.fluid.model import FluidModel
-from warp_mps.fluid.pressure import CONSERVATIVE
+from warp_mps.fluid.neighbours import NeighbourLists
 from warp_mps.fluid.pressure_equation import PressureEquation
+from warp_mps.fluid.schemes import CONSERVATIVE
 from warp_mps.fluid.state import FluidState
 
 
@@ -30,7 +30,7 @@ class PressureForces:
         self, model: FluidModel, state: FluidState, neighbours: NeighbourLists, equation: PressureEquation
     ) -> None:
         self._model, self._state, self._neighbours, self._equation = model, state, neighbours, equation
-        self._kernels = gradient_kernels(model.types)
+        self._kernels = fluid_kernels(model.types)
         self.slopes = wp.zeros(model.count, dtype=model.types.vec, device=model.device)
 
     def find_slopes(self) -> None:
@@ -40,7 +40,7 @@ class PressureForces:
             inputs = [model.walls, lists.period, model.operators.radius, model.gradient_factor, model.density]
             inputs += [model.gravity_vector, lists.listed, lists.count, state.x, state.a, state.p]
             inputs += [equation.normal, equation.depth]
-            model.launch(self._kernels.find_slopes, model.count, inputs, [self.slopes])
+            model.launch(self._kernels.wall_tangential_gradient, model.count, inputs, [self.slopes])
 
     def accelerate(self, dt: wp.array, du: wp.array) -> None:
         """Launch the change of velocity du = -dt grad p / rho of fluid particles.
@@ -53,7 +53,7 @@ class PressureForces:
         inputs = [model.walls, model.scheme, model.clip, lists.period, model.operators.radius, model.gradient_factor]
         inputs += [model.density, model.gravity_vector, lists.listed, lists.count, dt, state.x, state.a, state.p]
         inputs += [self._equation.density_scale, self.slopes]
-        model.launch(self._kernels.push, model.count, inputs, [du])
+        model.launch(self._kernels.pressure_velocity_change, model.count, inputs, [du])
 
     def push_walls(self, count: int, dt: wp.array, impulse: wp.array, work: wp.array) -> None:
         """Launch the impulses on the first particles of walls in a time, and the walls' work.
@@ -68,7 +68,7 @@ class PressureForces:
         inputs = [model.walls, model.scheme, model.clip, lists.period, model.operators.radius, model.gradient_factor]
         inputs += [model.density, model.volume, model.gravity_vector, lists.listed, lists.count, dt]
         inputs += [state.x, state.u, state.a, state.p, self._equation.density_scale, self.slopes]
-        model.launch(self._kernels.push_walls, count, inputs, [impulse, work])
+        model.launch(self._kernels.pressure_wall_impulse, count, inputs, [impulse, work])
 
     def wall_pressures(self) -> np.ndarray:
         """Pressures of the fluid beside the particles of walls [Pa], shape [w]."""

@@ -6,8 +6,8 @@ import numpy as np
 import warp as wp
 
 from warp_mps.elastic.output.stresses import StressFields
+from warp_mps.fluid.kernels import fluid_kernels
 from warp_mps.fluid.step import FluidStep
-from warp_mps.fluid.volumes import volume_kernels
 from warp_mps.results.energy import Energy
 
 
@@ -20,7 +20,7 @@ class FluidReadings:
 
     def __init__(self, step: FluidStep) -> None:
         self._step, self._model, self._state = step, step.model, step.state
-        self._kernels = volume_kernels(step.model.types)
+        self._kernels = fluid_kernels(step.model.types)
 
     def positions(self) -> np.ndarray:
         """Positions [m], shape [n, d]."""
@@ -50,7 +50,7 @@ class FluidReadings:
         shares = wp.zeros(model.count, dtype=state.n.dtype, device=model.device)
         inputs = [model.walls, lists.period, ops.radius, model.spacing, ops.number_density, ops.smooth_density]
         inputs += [float(ops.neighbours), lists.listed, lists.count, state.x, state.lost]
-        model.launch(self._kernels.take_up, model.count, inputs, [shares])
+        model.launch(self._kernels.volume_ratio, model.count, inputs, [shares])
         return np.concatenate((np.zeros(model.walls), model.volume * state.fluid_in_scene_order(shares.numpy())))
 
     def contact_forces(self) -> np.ndarray:

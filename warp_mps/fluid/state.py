@@ -8,8 +8,8 @@ from dataclasses import dataclass, fields
 import numpy as np
 import warp as wp
 
-from warp_mps.fluid.lists import NeighbourLists
 from warp_mps.fluid.model import FluidModel
+from warp_mps.fluid.neighbours import NeighbourLists
 
 
 @dataclass(kw_only=True)

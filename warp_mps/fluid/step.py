@@ -21,13 +21,13 @@ import warp as wp
 from warp_mps.core.linear.conjugate_gradient import ConjugateGradient
 from warp_mps.core.replay import Replay
 from warp_mps.fluid.adaptive_step import AdaptiveTimeStep
-from warp_mps.fluid.lists import NeighbourLists, even_neighbours
+from warp_mps.fluid.implicit_viscosity import ImplicitViscosity
+from warp_mps.fluid.kernels import fluid_kernels
 from warp_mps.fluid.model import FluidModel
-from warp_mps.fluid.motion import motion_kernels
+from warp_mps.fluid.neighbours import NeighbourLists, expected_neighbours
 from warp_mps.fluid.pressure_equation import PressureEquation
 from warp_mps.fluid.pressure_forces import PressureForces
 from warp_mps.fluid.state import initial_state
-from warp_mps.fluid.viscous import ImplicitViscosity
 from warp_mps.fluid.wall_motion import WallMotion
 from warp_mps.scene import Scene
 
@@ -64,7 +64,7 @@ class FluidStep:
         d, n, w, m = types.dimension, model.particles.count, model.walls, model.count
         self.neighbours = NeighbourLists(
             n, walls=w, low=model.low, high=model.high, periodic=model.periodic, radius=model.operators.radius,
-            spacing=model.spacing, neighbours=even_neighbours(d, scene.flow.radius(d)), types=types, device=device,
+            spacing=model.spacing, neighbours=expected_neighbours(d, scene.flow.radius(d)), types=types, device=device,
         )  # fmt: skip
         self.state = initial_state(model, self.neighbours)
         self.time_step = AdaptiveTimeStep(model, self.state)
@@ -80,7 +80,7 @@ class FluidStep:
         self.mirror_velocity = wp.zeros(max(w, 1), dtype=types.vec, device=device)
         self.velocity_change, self.shift = (wp.zeros(m, dtype=types.vec, device=device) for _ in range(2))
         self.replay = Replay(device=device, graphs=graphs)
-        self._kernels = motion_kernels(types)
+        self._kernels = fluid_kernels(types)
 
     @property
     def phases(self) -> tuple[tuple[str, Callable[[], None]], ...]:
@@ -118,14 +118,14 @@ class FluidStep:
         w, radius = model.walls, model.operators.radius
         tail = [model.no_slip, lists.listed, lists.count]
         inputs = [lists.period, radius, *tail, state.x, state.u, state.lost]
-        model.launch(self._kernels.mirror, w, inputs, [self.mirror_velocity])
+        model.launch(self._kernels.ghost_velocity, w, inputs, [self.mirror_velocity])
         head, u = [w, lists.period, radius, model.viscosity * model.operators.laplacian], state.u
         if self.implicit_viscosity:
             now = [self.time_step.dt, state.x, u, state.lost, self.mirror_velocity]
             self.implicit_viscosity.solve([*head, model.gravity_vector, *tail], now, u)
             u = self.implicit_viscosity.u
         inputs = [*head, *tail, state.x, u, state.lost, self.mirror_velocity]
-        model.launch(self._kernels.viscosity, len(state.x), inputs, [self.viscous_acceleration])
+        model.launch(self._kernels.viscous_acceleration, len(state.x), inputs, [self.viscous_acceleration])
 
     def predict(self) -> None:
         """Predict velocities and positions u*, x* without the pressure, and move the walls to the end of the step."""
@@ -154,7 +154,7 @@ class FluidStep:
         self.forces.accelerate(dt, self.velocity_change)
         self.forces.push_walls(model.walls, dt, state.impulse, state.work)
         inputs = [model.walls, dt, self.velocity_change]
-        model.launch(self._kernels.apply, model.count, inputs, [state.x, state.u])
+        model.launch(self._kernels.correct, model.count, inputs, [state.x, state.u])
 
     def collide(self) -> None:
         """Shift particles, let those that come too close collide, and mark those that have left the domain."""
@@ -164,14 +164,14 @@ class FluidStep:
         if model.shifting:
             inputs = [w, period, model.operators.radius, spacing, model.operators.number_density, *listed, state.x]
             inputs += [self.time_step.displacement, self.pressure.surface]
-            model.launch(kernels.move_apart, m, inputs, [self.shift])
+            model.launch(kernels.shift_particles, m, inputs, [self.shift])
         tail = [model.collision_share, *listed, state.x, state.u]
         inputs = [w, period, spacing, model.collision_distance, *tail, self.shift]
         model.launch(kernels.collide, m, inputs, [self.velocity_change])
         model.launch(kernels.collide_walls, w, [period, spacing, model.mass, *tail], [state.impulse, state.work])
         low, high = model.types.vec(*model.low), model.types.vec(*model.high)
         inputs = [w, low, high, period, model.gravity_vector, dt, self.velocity_change, self.shift]
-        model.launch(kernels.finish, m, inputs, [state.x, state.u, state.lost, state.stale, state.fallen])
+        model.launch(kernels.end_step, m, inputs, [state.x, state.u, state.lost, state.stale, state.fallen])
 
     def advance_clock(self) -> None:
         """End the step: advance the time, and count the step."""

@@ -23,8 +23,8 @@ import warp as wp
 from warp_mps.core.periodic import displacement_function
 from warp_mps.core.types import NumericTypes
 from warp_mps.core.weights import weight_function
-from warp_mps.fluid.lists import METHOD
-from warp_mps.fluid.pressure import CLOSEST, SURFACE_DENSITY, SURFACE_NEIGHBOURS
+from warp_mps.fluid import METHOD
+from warp_mps.fluid.pressure.rows import CLOSEST, SURFACE_DENSITY, SURFACE_NEIGHBOURS
 
 # below this share of a full lattice's smooth density a particle has air beside it
 AIR = 0.9
@@ -32,7 +32,7 @@ AIR = 0.9
 
 @functools.cache
 def volume_kernels(types: NumericTypes) -> SimpleNamespace:
-    """The kernel `take_up`."""
+    """The kernel `volume_ratio`."""
     real, vec = types.real, types.vec
     displacement, weight = displacement_function(types), weight_function(types)
 
@@ -44,7 +44,7 @@ def volume_kernels(types: NumericTypes) -> SimpleNamespace:
         return s * s * s * s
 
     @types.kernel(METHOD)
-    def take_up(
+    def volume_ratio(
         # Model:
         walls: wp.int32,
         period: vec,
@@ -80,4 +80,4 @@ def volume_kernels(types: NumericTypes) -> SimpleNamespace:
             share = s0 / s
         share_out[k] = share
 
-    return SimpleNamespace(take_up=take_up)
+    return SimpleNamespace(volume_ratio=volume_ratio)

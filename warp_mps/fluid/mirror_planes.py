@@ -28,7 +28,7 @@ import warp as wp
 
 from warp_mps.core.periodic import displacement_function
 from warp_mps.core.types import NumericTypes
-from warp_mps.fluid.lists import METHOD
+from warp_mps.fluid import METHOD
 
 # in spacings: how far a wall's particles may lie before its face, and the least distance from it that is believed
 FLATNESS, LEAST_DEPTH = 0.3, 0.25
@@ -44,25 +44,25 @@ LEAST_SPREAD = 0.1
 
 
 @functools.cache
-def plane_kernels(types: NumericTypes) -> SimpleNamespace:
-    """The kernel `find_planes`, and the functions `mirrored`, `spread` and `strain_beyond`."""
+def mirror_plane_kernels(types: NumericTypes) -> SimpleNamespace:
+    """Kernel `find_mirror_planes`; functions `mirror_distance_squared`, `tangential_moment`, `mirror_wall_strain`."""
     real, vec, mat, d = types.real, types.vec, types.mat, types.dimension
     displacement = displacement_function(types)
 
     @types.func(METHOD)
-    def mirrored(square: real, normal_i: vec, normal_j: vec, depth_i: real, depth_j: real) -> real:
+    def mirror_distance_squared(square: real, normal_i: vec, normal_j: vec, depth_i: real, depth_j: real) -> real:
         """Square of the distance to the mirror image of a neighbour; without end if it has none."""
         if depth_j <= real(0.0) or wp.dot(normal_i, normal_j) < real(SAME_FACE):
             return real(wp.inf)
         return square + real(4.0) * depth_i * depth_j
 
     @types.func(METHOD)
-    def spread(moments: mat, normal: vec) -> real:
+    def tangential_moment(moments: mat, normal: vec) -> real:
         """Mean second moment along a face."""
         return (wp.trace(moments) - wp.dot(normal, moments * normal)) / real(wp.static(d - 1))
 
     @types.func(METHOD)
-    def strain_beyond(
+    def mirror_wall_strain(
         strain: mat, moments: mat, wall_strain: mat, wall_moments: mat, reach: vec, normal: vec, depth: real
     ) -> mat:
         """What a flat wall adds to sum_j u_ij (x) arm_ij, of what its particles and what the water's add.
@@ -81,14 +81,14 @@ def plane_kernels(types: NumericTypes) -> SimpleNamespace:
         stretch = wp.dot(normal, wall_moments * normal) / lever
         stretch = wp.clamp(stretch, real(1.0), real(LARGEST_STRETCH))
         result = wall_strain + (stretch - real(1.0)) * (across * wall_strain)
-        own = spread(moments, normal)
+        own = tangential_moment(moments, normal)
         if own > real(LEAST_SPREAD):
             along = wp.identity(n=wp.static(d), dtype=real) - across
-            result += (spread(wall_moments, normal) / own) * (along * strain * along) - along * wall_strain
+            result += (tangential_moment(wall_moments, normal) / own) * (along * strain * along) - along * wall_strain
         return result
 
     @types.kernel(METHOD)
-    def find_planes(
+    def find_mirror_planes(
         # Model:
         walls: wp.int32,
         period: vec,
@@ -146,4 +146,9 @@ def plane_kernels(types: NumericTypes) -> SimpleNamespace:
         normal_out[k] = normal
         depth_out[k] = depth
 
-    return SimpleNamespace(find_planes=find_planes, mirrored=mirrored, spread=spread, strain_beyond=strain_beyond)
+    return SimpleNamespace(
+        find_mirror_planes=find_mirror_planes,
+        mirror_distance_squared=mirror_distance_squared,
+        tangential_moment=tangential_moment,
+        mirror_wall_strain=mirror_wall_strain,
+    )

@@ -39,7 +39,7 @@ class Operators:
         laplacian: Factor of the Laplacian [1/m^2].
         gradient: Factor of the gradient [-].
         original_gradient: Factor of the original gradient [-].
-        beyond: Factors b1, b2 of what lies beyond a free surface [-], see `warp_mps.fluid.pressure`.
+        beyond: Factors b1, b2 of what lies beyond a free surface [-], see `warp_mps.fluid.pressure.rows`.
     """
 
     radius: float

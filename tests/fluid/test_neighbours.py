@@ -9,7 +9,7 @@ import warp as wp
 from tests.fluid.scenes import KINDS, apart
 from warp_mps.core.device import open_device
 from warp_mps.core.types import numeric_types
-from warp_mps.fluid.lists import MOST_ROOM, NeighbourLists, even_neighbours
+from warp_mps.fluid.neighbours import MOST_ROOM, NeighbourLists, expected_neighbours
 from warp_mps.scene.numerics import SKIN
 
 L0 = 0.1
@@ -207,7 +207,7 @@ def test_lists_grow_until_a_crowd_has_room() -> None:
 )
 def test_the_neighbours_of_even_water(dimension: int, radius: float, expected: int) -> None:
     """By hand, with a margin of 0.3: shells of the lattice, or what a ball holds where the next one is close."""
-    assert even_neighbours(dimension, radius) == expected
+    assert expected_neighbours(dimension, radius) == expected
 
 
 def test_no_crowd_is_reported_where_there_is_none() -> None:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from warp_mps.core.weights import weight
-from warp_mps.fluid.operators import Operators, operators
+from warp_mps.fluid.operator_constants import Operators, operators
 
 L0 = 0.02
 CASES = [(dimension, radius) for dimension in (2, 3) for radius in (2.1, 3.1)]

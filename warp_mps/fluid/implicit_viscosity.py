@@ -15,19 +15,19 @@ from warp_mps.core.linear.conjugate_gradient import ConjugateGradient, Matrix
 from warp_mps.core.periodic import displacement_function
 from warp_mps.core.types import NumericTypes
 from warp_mps.core.weights import weight_function
-from warp_mps.fluid.lists import METHOD
+from warp_mps.fluid import METHOD
 
 TOLERANCE, MAX_ITERATIONS = 1e-6, 1000
 
 
 @functools.cache
-def viscous_kernels(types: NumericTypes) -> SimpleNamespace:
-    """Kernels `rows` and `join`."""
+def implicit_viscosity_kernels(types: NumericTypes) -> SimpleNamespace:
+    """Kernels `implicit_viscosity_rows` and `merge_velocities`."""
     real, vec, d = types.real, types.vec, types.dimension
     displacement, weight = displacement_function(types), weight_function(types)
 
     @types.kernel(METHOD)
-    def rows(
+    def implicit_viscosity_rows(
         # Model:
         walls: wp.int32,
         period: vec,
@@ -83,7 +83,7 @@ def viscous_kernels(types: NumericTypes) -> SimpleNamespace:
             guess_out[axis, k] = wp.float64(u[i][axis])
 
     @types.kernel(METHOD)
-    def join(
+    def merge_velocities(
         # Model:
         walls: wp.int32,
         # State in:
@@ -100,7 +100,7 @@ def viscous_kernels(types: NumericTypes) -> SimpleNamespace:
                 u_i[axis] = real(solution[axis, i - walls])
         u_out[i] = u_i
 
-    return SimpleNamespace(rows=rows, join=join)
+    return SimpleNamespace(implicit_viscosity_rows=implicit_viscosity_rows, merge_velocities=merge_velocities)
 
 
 class ImplicitViscosity:
@@ -119,7 +119,7 @@ class ImplicitViscosity:
     """
 
     def __init__(self, n: int, walls: int, matrix: Matrix, *, types: NumericTypes, device: Any) -> None:
-        self._kernels, self._device, self._n, self._walls = viscous_kernels(types), device, n, walls
+        self._kernels, self._device, self._n, self._walls = implicit_viscosity_kernels(types), device, n, walls
         self.use(matrix)
         m = n - walls
         self._rhs = wp.zeros((types.dimension, m), dtype=wp.float64, device=device)
@@ -134,11 +134,25 @@ class ImplicitViscosity:
         self._matrix = matrix._replace(singular=None)
 
     def solve(self, constants: list[Any], state: list[wp.array], u: wp.array) -> None:
-        """Launch the solve; arguments of the kernel `rows` up to its outputs, and the velocities before the step."""
+        """Launch the solve.
+
+        Args:
+            constants: Model arguments of the kernel `implicit_viscosity_rows`.
+            state: Its state arguments.
+            u: Velocities before the step [m/s], vec [n].
+        """
         matrix = self._matrix
         outputs = [matrix.first, matrix.count, matrix.index, matrix.value, matrix.diagonal, matrix.active]
         outputs += [self._rhs, self._solution]
-        wp.launch(self._kernels.rows, self._n - self._walls, [*constants, *state], outputs, device=self._device)
+        wp.launch(
+            self._kernels.implicit_viscosity_rows,
+            self._n - self._walls,
+            [*constants, *state],
+            outputs,
+            device=self._device,
+        )
         for axis in range(self._rhs.shape[0]):
             self.solver.solve(matrix, self._rhs[axis], self._solution[axis])
-        wp.launch(self._kernels.join, self._n, [self._walls, u, self._solution], [self.u], device=self._device)
+        wp.launch(
+            self._kernels.merge_velocities, self._n, [self._walls, u, self._solution], [self.u], device=self._device
+        )

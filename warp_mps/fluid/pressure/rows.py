@@ -16,9 +16,9 @@ runs away; a share of 0.2 does not, and errors still decay in some ten steps.
 
 Walls are no unknowns: the pressure beyond a wall follows from the wall's acceleration a, p_j - p_i =
 rho (g - a) . x_ij, which goes to the right-hand side; u* of a wall is the velocity that this gradient turns into the
-wall's own. Along a flat wall the conservative scheme adds the water's mirror image (`warp_mps.fluid.planes`), in which
-water at rest, whose pressure differs by rho (g - a) . x_ij, must not count a second time. With c the coefficients of
-the pairs and `tilt_i` the sum of c x_ij over images, divided by the sum of c over the wall's particles, one of these
+wall's own. Along a flat wall the conservative scheme adds the water's mirror image (`warp_mps.fluid.mirror_planes`), in
+which water at rest, whose pressure differs by rho (g - a) . x_ij, must not count a second time. With c the coefficients
+of the pairs and `tilt_i` the sum of c x_ij over images, divided by the sum of c over the wall's particles, one of these
 enters the right-hand side by rho (g - a) . (x_ij - tilt_i).
 
 Conservative forces push a particle by 2 p_i sum_j c x_ij beyond what a gradient would, and the equation does not know.
@@ -33,8 +33,9 @@ height above it of what is not there, that adds M/s to the row's diagonal. On a 
 
     M/s = n0 q (b1 + b2 q),   q = 1 - n/n0
 
-with factors b1, b2 (`warp_mps.fluid.operators`) that make a linear pressure exact in the two rows below the surface;
-with n0 q (Nair & Tomar 2014) it would be 0 up to a spacing above it. There e, which is negative, does not count.
+with factors b1, b2 (`warp_mps.fluid.operator_constants`) that make a linear pressure exact in the two rows below the
+surface; with n0 q (Nair & Tomar 2014) it would be 0 up to a spacing above it. There e, which is negative, does not
+count.
 
 References:
     Khayyer, A. and Gotoh, H., Coastal Engineering 56 (2009) 419.
@@ -50,10 +51,10 @@ import warp as wp
 from warp_mps.core.periodic import displacement_function
 from warp_mps.core.types import NumericTypes
 from warp_mps.core.weights import weight_function
-from warp_mps.fluid.lists import METHOD
-from warp_mps.fluid.planes import plane_kernels
+from warp_mps.fluid import METHOD
+from warp_mps.fluid.mirror_planes import mirror_plane_kernels
+from warp_mps.fluid.schemes import CONSERVATIVE, CORRECTED, KOSHIZUKA_OKA
 
-CONSERVATIVE, CORRECTED, KOSHIZUKA_OKA = 0, 1, 2
 # the free surface: below this share of a full lattice's number density, and of its neighbours
 SURFACE_DENSITY, SURFACE_NEIGHBOURS = 0.97, 0.85
 # closest distance that the divergence sees, in spacings: what is closer is two particles that collide
@@ -74,13 +75,14 @@ LARGEST_SCALE = 0.06
 
 @functools.cache
 def pressure_kernels(types: NumericTypes) -> SimpleNamespace:
-    """Kernels `assemble`, `least`, `lift`."""
+    """Kernels `assemble`, `chunk_minima`, `set_level`."""
     real, vec, mat = types.real, types.vec, types.mat
     displacement, weight = displacement_function(types), weight_function(types)
-    mirrored, strain_beyond = plane_kernels(types).mirrored, plane_kernels(types).strain_beyond
+    planes = mirror_plane_kernels(types)
+    mirror_distance_squared, mirror_wall_strain = planes.mirror_distance_squared, planes.mirror_wall_strain
 
     @types.func(METHOD)
-    def slope(scheme: wp.int32, r: real, radius: real) -> real:
+    def gradient_weight(scheme: wp.int32, r: real, radius: real) -> real:
         """The pair weight g/r_e^2 of the gradient; the original one for the original scheme."""
         if scheme > wp.static(CORRECTED):
             inverse = real(1.0) / r
@@ -182,7 +184,7 @@ def pressure_kernels(types: NumericTypes) -> SimpleNamespace:
                     wall_strain += wp.outer(u[j] + h * (gravity - a[j]) - u_i, arm)
                 else:
                     if depth_i > real(0.0):
-                        image = mirrored(square, normal_i, normal[j - walls], depth_i, depth[j - walls])
+                        image = mirror_distance_squared(square, normal_i, normal[j - walls], depth_i, depth[j - walls])
                         extra = laplacian * weight(wp.sqrt(image), radius)
                         lean += extra * x_ij
                         c += extra
@@ -194,11 +196,11 @@ def pressure_kernels(types: NumericTypes) -> SimpleNamespace:
                     diagonal += c
                 n += w
                 near += 1
-                g = slope(scheme, r, radius)
+                g = gradient_weight(scheme, r, radius)
                 moment += g * r * r
                 uneven += g * x_ij
         if depth_i > real(0.0):
-            wall_strain = strain_beyond(strain, moments, wall_strain, wall_moments, wall_reach, normal_i, depth_i)
+            wall_strain = mirror_wall_strain(strain, moments, wall_strain, wall_moments, wall_reach, normal_i, depth_i)
         moments += wall_moments
         strain += wall_strain
         if scheme == wp.static(CONSERVATIVE) and wp.determinant(moments) > real(LEAST_DETERMINANT):
@@ -233,7 +235,7 @@ def pressure_kernels(types: NumericTypes) -> SimpleNamespace:
         rhs_out[k] = wp.float64(given) + wp.float64(damping) * p[k]
 
     @types.kernel(METHOD)
-    def least(chunk: wp.int32, p: wp.array(dtype=wp.float64), least_out: wp.array(dtype=wp.float64)):
+    def chunk_minima(chunk: wp.int32, p: wp.array(dtype=wp.float64), least_out: wp.array(dtype=wp.float64)):
         """Least pressure of each chunk of particles."""
         c = wp.tid()
         value = p[c * chunk]
@@ -242,7 +244,7 @@ def pressure_kernels(types: NumericTypes) -> SimpleNamespace:
         least_out[c] = value
 
     @types.kernel(METHOD)
-    def lift(
+    def set_level(
         clip: wp.int32,
         singular: wp.array(dtype=wp.int32),
         least: wp.array(dtype=wp.float64),
@@ -259,4 +261,6 @@ def pressure_kernels(types: NumericTypes) -> SimpleNamespace:
         elif clip == 1:
             p_out[k] = wp.max(p_out[k], wp.float64(0.0))
 
-    return SimpleNamespace(slope=slope, assemble=assemble, least=least, lift=lift)
+    return SimpleNamespace(
+        gradient_weight=gradient_weight, assemble=assemble, chunk_minima=chunk_minima, set_level=set_level
+    )

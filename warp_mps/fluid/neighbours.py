@@ -19,9 +19,9 @@ import warp as wp
 from warp_mps.core.periodic import displacement_function
 from warp_mps.core.types import NumericTypes
 from warp_mps.core.weights import lattice_neighbours
+from warp_mps.fluid import METHOD
 from warp_mps.scene.numerics import SKIN
 
-METHOD = "fluid"
 # room for neighbours, in units of those in even water
 ROOM = 1.75
 # share of the room from which on lists ask for more: dam breaks were seen to crowd by 1.25 in 3-D, and by 1.14 in 2-D
@@ -31,7 +31,7 @@ MOST_ROOM = 8
 MOST_CELLS = {2: 4096, 3: 512}
 
 
-def even_neighbours(dimension: int, effective_radius: float) -> int:
+def expected_neighbours(dimension: int, effective_radius: float) -> int:
     """Neighbours in a list of even water, the margin included: of a full lattice, or of disorder, which has no shells.
 
     Args:
@@ -44,13 +44,13 @@ def even_neighbours(dimension: int, effective_radius: float) -> int:
 
 
 @functools.cache
-def list_kernels(types: NumericTypes) -> SimpleNamespace:
-    """Kernels `locate` and `search`."""
+def neighbour_list_kernels(types: NumericTypes) -> SimpleNamespace:
+    """Kernels `locate_in_cells` and `search_neighbours`."""
     real, vec, vec3, d = types.real, types.vec, types.vec3, types.dimension
     displacement = displacement_function(types)
 
     @types.kernel(METHOD)
-    def locate(
+    def locate_in_cells(
         # Model:
         low: vec,
         cell: vec,
@@ -76,7 +76,7 @@ def list_kernels(types: NumericTypes) -> SimpleNamespace:
             stale_out[0] = 1
 
     @types.kernel(METHOD)
-    def search(
+    def search_neighbours(
         # Model:
         grid: wp.uint64,
         reach: real,
@@ -116,7 +116,7 @@ def list_kernels(types: NumericTypes) -> SimpleNamespace:
         if i == 0:
             stale_out[0] = 0
 
-    return SimpleNamespace(locate=locate, search=search)
+    return SimpleNamespace(locate_in_cells=locate_in_cells, search_neighbours=search_neighbours)
 
 
 class NeighbourLists:
@@ -137,7 +137,7 @@ class NeighbourLists:
         periodic: Its periodic axes.
         radius: Effective radius [m].
         spacing: Particle spacing [m].
-        neighbours: Neighbours of even water, for which there is room and to spare; see `even_neighbours`.
+        neighbours: Neighbours of even water, for which there is room and to spare; see `expected_neighbours`.
         types: Number types.
         device: Warp device.
     """
@@ -156,7 +156,7 @@ class NeighbourLists:
         types: NumericTypes,
         device: Any,
     ) -> None:
-        self._kernels, self._device, self._walls = list_kernels(types), device, walls
+        self._kernels, self._device, self._walls = neighbour_list_kernels(types), device, walls
         d, self._margin = types.dimension, SKIN * spacing
         self._reach = radius + self._margin
         size = np.asarray(high, float) - low
@@ -186,7 +186,7 @@ class NeighbourLists:
     def update(self, x: wp.array, lost: wp.array) -> None:
         """Launch new lists if a particle has moved far enough since they were made."""
         inputs = [self._low, self._cell, self._cells, self._margin, x, self.x_listed]
-        wp.launch(self._kernels.locate, len(x), inputs, [self._points, self.stale], device=self._device)
+        wp.launch(self._kernels.locate_in_cells, len(x), inputs, [self._points, self.stale], device=self._device)
         wp.capture_if(self.stale, self._search, x=x, lost=lost)
 
     def overflowed(self) -> int | None:
@@ -215,4 +215,4 @@ class NeighbourLists:
         self._grid.build(self._points, 1.0)
         inputs = [self._grid.id, self._reach, self.period, self._walls, self._points, x, lost]
         outputs = [self.listed, self.count, self.x_listed, self._overflow, self._crowded, self.stale]
-        wp.launch(self._kernels.search, len(x), inputs, outputs, device=self._device)
+        wp.launch(self._kernels.search_neighbours, len(x), inputs, outputs, device=self._device)

@@ -7,7 +7,7 @@ import pytest
 
 from tests.fluid.scenes import L0, fluids_of, small, stir, tank, until, wall_count
 from warp_mps.fluid.fluids import Fluids
-from warp_mps.fluid.planes import LEAST_DEPTH
+from warp_mps.fluid.mirror_planes import LEAST_DEPTH
 from warp_mps.scene import Flow
 
 G = 9.81

@@ -1,0 +1,1 @@
+"""The pressure Poisson equation (PPE) of an incompressible fluid with a free surface."""

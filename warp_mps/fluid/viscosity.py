@@ -1,0 +1,94 @@
+"""Explicit viscosity, and no-slip walls.
+
+    a_i = nu lap u_i = nu laplacian sum_j w_ij (u_j - u_i)
+
+Where water does not slip, viscosity sees inside a wall the velocity u_w + (u_w - u), u that of the water about there,
+so that the water has the wall's velocity u_w at the wall's face (Adami, Hu & Adams 2012).
+
+References:
+    Adami, S., Hu, X. Y. and Adams, N. A., Journal of Computational Physics 231 (2012) 7057.
+    Koshizuka, S. and Oka, Y., Nuclear Science and Engineering 123 (1996) 421.
+"""
+
+import functools
+from types import SimpleNamespace
+
+import warp as wp
+
+from warp_mps.core.periodic import displacement_function
+from warp_mps.core.types import NumericTypes
+from warp_mps.core.weights import weight_function
+from warp_mps.fluid import METHOD
+
+
+@functools.cache
+def viscosity_kernels(types: NumericTypes) -> SimpleNamespace:
+    """Kernels `ghost_velocity` and `viscous_acceleration`."""
+    real, vec = types.real, types.vec
+    displacement, weight = displacement_function(types), weight_function(types)
+
+    @types.kernel(METHOD)
+    def ghost_velocity(
+        # Model:
+        period: vec,
+        radius: real,
+        sticks: wp.array(dtype=wp.int32),
+        listed: wp.array(dtype=wp.int32, ndim=2),
+        count: wp.array(dtype=wp.int32),
+        # State in:
+        x: wp.array(dtype=vec),
+        u: wp.array(dtype=vec),
+        lost: wp.array(dtype=wp.int32),
+        # Out:
+        mirrored_out: wp.array(dtype=vec),
+    ):
+        """Velocity that the viscosity of the water sees at a wall's particle."""
+        j = wp.tid()
+        u_j = u[j]
+        total = vec()
+        weights = real(0.0)
+        if sticks[j] == 1:
+            for m in range(count[j]):
+                i = listed[j, m]
+                w = real(1 - lost[i]) * weight(wp.length(displacement(x[i], x[j], period)), radius)
+                total += w * (u_j - u[i])
+                weights += w
+        if weights > real(0.0):
+            u_j += total / weights
+        mirrored_out[j] = u_j
+
+    @types.kernel(METHOD)
+    def viscous_acceleration(
+        # Model:
+        walls: wp.int32,
+        period: vec,
+        radius: real,
+        factor: real,
+        sticks: wp.array(dtype=wp.int32),
+        listed: wp.array(dtype=wp.int32, ndim=2),
+        count: wp.array(dtype=wp.int32),
+        # State in:
+        x: wp.array(dtype=vec),
+        u: wp.array(dtype=vec),
+        lost: wp.array(dtype=wp.int32),
+        mirrored: wp.array(dtype=vec),
+        # Out:
+        acceleration_out: wp.array(dtype=vec),
+    ):
+        """Viscous acceleration nu lap u, of walls and fluid alike; walls without slip hold the fluid back."""
+        i = wp.tid()
+        x_i = x[i]
+        u_i = u[i]
+        if i < walls:
+            u_i = mirrored[i]
+        total = vec()
+        for m in range(count[i]):
+            j = listed[i, m]
+            if sticks[i] + sticks[j] == 2 and lost[j] == 0:
+                u_j = u[j]
+                if j < walls:
+                    u_j = mirrored[j]
+                total += weight(wp.length(displacement(x_i, x[j], period)), radius) * (u_j - u_i)
+        acceleration_out[i] = factor * total
+
+    return SimpleNamespace(ghost_velocity=ghost_velocity, viscous_acceleration=viscous_acceleration)
