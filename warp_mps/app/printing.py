@@ -49,7 +49,7 @@ def print_check(scene: Scene) -> int:
     lines: list[str] = []
     if cost.memory <= available_memory():
         particles = fill_scene(scene)
-        lines = part_lines(scene, particles)
+        lines = [*part_lines(scene, particles), *particles.remarks()]
         held: list[Support | Load] = [*scene.supports, *scene.loads]
         for item in held:
             select_held(particles, item)

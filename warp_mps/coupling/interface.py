@@ -138,7 +138,7 @@ def _gathered(particles: Particles, members: np.ndarray, first: np.ndarray, spac
     rows: dict[str, Any] = {}
     for item in fields(particles):
         values = getattr(particles, item.name)
-        if item.name in ("names", "ranges", "elastic", "liquid"):
+        if item.name in ("names", "ranges", "elastic", "liquid", "displaced"):
             continue
         own = values[members]
         if item.name in ("positions", "velocities", "angular_velocities"):

@@ -2,19 +2,25 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from warp_mps.errors import InputError
+from warp_mps.particles.displaced_fluid import Solid, kept_of_fluid
 from warp_mps.particles.overlaps import OVERLAP, refuse_loose_bonds, refuse_overlap
 from warp_mps.particles.particles import Particles
 from warp_mps.particles.selection import REGION_TOLERANCE
 from warp_mps.particles.velocity_fields import velocity
-from warp_mps.scene import Body, Fluid, Scene
+from warp_mps.scene import Body, Fluid, Scene, Wall
 from warp_mps.scene.validation.rules import kind_of, place
 from warp_mps.shapes import Points, contains, fill, particle_count
 
 # density of wall particles [kg/m^3]: the mass of a wall has no effect, it only lets walls be weighted as bodies are
 NOMINAL_DENSITY = 1000.0
+
+# positions [m], velocities [m/s] and angular velocities [rad/s] of the particles of a body, wall or fluid
+Filled = tuple[np.ndarray, np.ndarray, np.ndarray]
 
 
 def count_particles(scene: Scene) -> dict[str, int]:
@@ -30,12 +36,16 @@ def count_particles(scene: Scene) -> dict[str, int]:
 def fill_scene(scene: Scene) -> Particles:
     """Fill the bodies, the walls and the fluids of a scene with particles.
 
+    Fluids give way to the bodies and walls that they overlap.
+
     Raises:
-        InputError: A body or a wall is thinner than one particle, a body overlaps another or a wall, or a part holds
-            no particle.
+        InputError: A body, wall or fluid is thinner than one particle, a body overlaps another or a wall, fluids
+            overlap, nothing of a fluid is left beside bodies and walls, or a part holds no particle.
     """
-    bodies = [_fill_body(scene, body) for body in scene.bodies]
-    parts = [*bodies, *_fill_walls(scene), *(_fill_body(scene, fluid) for fluid in scene.fluids)]
+    dry = [*(_fill_body(scene, body) for body in scene.bodies), *_fill_walls(scene)]
+    solids: list[Body | Wall] = [*scene.bodies, *scene.walls]
+    wet, displaced = _fill_fluids(scene, [(solid, part[0]) for solid, part in zip(solids, dry, strict=True)])
+    parts = [*dry, *wet]
     counts = np.array([len(positions) for positions, _, _ in parts])
     ends = np.cumsum(counts)
     of_body = np.repeat(np.arange(len(parts)), counts)
@@ -60,34 +70,53 @@ def fill_scene(scene: Scene) -> Particles:
         materials=materials,
         groups=_groups(scene)[of_body],
         ids=np.arange(int(ends[-1])),
+        displaced=displaced,
     )
     refuse_overlap(scene, particles)
     refuse_loose_bonds(scene, particles)
     return particles
 
 
-def _fill_body(scene: Scene, body: Body | Fluid) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Positions, velocities and angular velocities of the particles of a body or a fluid."""
+def _fill_body(scene: Scene, body: Body) -> Filled:
+    """Fill an elastic body."""
     where = place(body, kind_of(body))
     positions = fill(body.shape, body.spacing, scene.dimension, node_axes=body.node_axes, where=where)
+    return _started(scene, body, positions, np.ones(len(positions), bool))
+
+
+def _fill_fluids(scene: Scene, solids: Sequence[Solid]) -> tuple[list[Filled], tuple[tuple[str, str, int], ...]]:
+    """Fill the fluids, which give way to solids; and which particles of them did, as in `Particles.displaced`."""
+    parts, displaced = [], []
+    for fluid in scene.fluids:
+        where = place(fluid, kind_of(fluid))
+        positions = fill(fluid.shape, fluid.spacing, scene.dimension, node_axes=fluid.node_axes, where=where)
+        kept, rows = kept_of_fluid(fluid, positions, solids)
+        parts.append(_started(scene, fluid, positions, kept))
+        displaced += rows
+    return parts, tuple(displaced)
+
+
+def _started(scene: Scene, item: Body | Fluid, positions: np.ndarray, kept: np.ndarray) -> Filled:
+    """The particles of a body or a fluid that are kept, at their initial velocities, sorted by cell."""
+    positions = positions[kept]
     velocities = np.zeros_like(positions)
-    if isinstance(body.shape, Points) and body.shape.velocities is not None:
-        velocities += np.asarray(body.shape.velocities, float)[:, : scene.dimension]
-    if body.velocity is not None:
-        velocities += np.asarray(body.velocity, float)
-    if body.velocity_field is not None:
-        velocities += velocity(body.velocity_field, positions)
+    if isinstance(item.shape, Points) and item.shape.velocities is not None:
+        velocities += np.asarray(item.shape.velocities, float)[kept, : scene.dimension]
+    if item.velocity is not None:
+        velocities += np.asarray(item.velocity, float)
+    if item.velocity_field is not None:
+        velocities += velocity(item.velocity_field, positions)
     spins = np.zeros((len(positions), 2 * scene.dimension - 3))
-    if body.angular_velocity is not None:
-        spins += np.atleast_1d(np.asarray(body.angular_velocity, float))
+    if item.angular_velocity is not None:
+        spins += np.atleast_1d(np.asarray(item.angular_velocity, float))
         velocities += _spin_velocity(spins, positions - positions.mean(axis=0))
-    order = _cell_order(positions, body.spacing * scene.elasticity.effective_radius)
+    order = _cell_order(positions, item.spacing * scene.elasticity.effective_radius)
     return positions[order], velocities[order], spins[order]
 
 
-def _fill_walls(scene: Scene) -> list[tuple[np.ndarray, np.ndarray, np.ndarray]]:
-    """As of bodies, at rest; where a wall shares space with earlier ones, their particles stay and its own go."""
-    parts: list[tuple[np.ndarray, np.ndarray, np.ndarray]] = []
+def _fill_walls(scene: Scene) -> list[Filled]:
+    """Fill the walls, at rest; where a wall shares space with earlier ones, their particles stay and its own go."""
+    parts: list[Filled] = []
     for wall in scene.walls:
         where = place(wall, "wall")
         positions = fill(wall.shape, wall.spacing, scene.dimension, node_axes=wall.node_axes, where=where)

@@ -31,10 +31,14 @@ def refuse_loose_bonds(scene: Scene, particles: Particles) -> None:
 
 
 def refuse_overlap(scene: Scene, particles: Particles) -> None:
-    """Refuse a particle inside another body, or on top of another body's particle; walls may share space."""
+    """Refuse a particle inside another body, or on top of another body's particle.
+
+    Walls may share space, and fluids have given way to bodies and walls (`warp_mps.particles.displaced_fluid`).
+    """
     for a, b in _near(scene, particles):
         one, other = scene.filled[a], scene.filled[b]
-        if isinstance(one, Wall) and isinstance(other, Wall):
+        fluids = isinstance(one, Fluid) + isinstance(other, Fluid)
+        if fluids == 1 or (isinstance(one, Wall) and isinstance(other, Wall)):
             continue
         positions = particles.positions[slice(*particles.ranges[a])]
         others = particles.positions[slice(*particles.ranges[b])]
@@ -45,14 +49,19 @@ def refuse_overlap(scene: Scene, particles: Particles) -> None:
         bad |= contains(Points(others), positions, OVERLAP * mean_spacing)
         if bad.any():
             at = ", ".join(f"{c:.6g}" for c in positions[np.argmax(bad)])
-            reason = f"overlaps {place(other, kind_of(other))} at ({at}) m; bodies may touch but not share space"
-            if Fluid in (type(one), type(other)):
-                reason += "; a fluid about something is made of several that leave it out"
+            kinds = "fluids" if fluids else "bodies"
+            reason = f"overlaps {place(other, kind_of(other))} at ({at}) m; {kinds} may touch but not share space"
             raise InputError(place(one, kind_of(one)), "shape", reason)
 
 
+def bounds_meet(positions: np.ndarray, others: np.ndarray, margin: float) -> bool:
+    """Whether the bounding boxes of two sets of positions [m], shapes [n, d] and [m, d], are nearer than a margin."""
+    apart = (positions.min(0) >= others.max(0) + margin) | (positions.max(0) <= others.min(0) - margin)
+    return not apart.any()
+
+
 def _near(scene: Scene, particles: Particles) -> Iterator[tuple[int, int]]:
-    """Pairs of different bodies the boxes about whose particles come as near as a particle is wide."""
+    """Pairs of different bodies whose bounding boxes are nearer than a particle is wide."""
     parts = [particles.positions[slice(*bounds)] for bounds in particles.ranges]
     low, high = np.array([part.min(axis=0) for part in parts]), np.array([part.max(axis=0) for part in parts])
     spacings = np.array([item.spacing for item in scene.filled])

@@ -27,6 +27,7 @@ class Particles:
         materials: Index of the material of each particle in those of the scene, -1 for walls, shape [n].
         groups: Index of the group of bonded bodies of each particle, shape [n]; all walls are one.
         ids: Identifiers, stable whatever the order, unique in the scene, shape [n].
+        displaced: Name of a fluid, name of a body or wall, and number of particles of the fluid that gave way to it.
     """
 
     names: tuple[str, ...]
@@ -42,6 +43,7 @@ class Particles:
     materials: np.ndarray
     groups: np.ndarray
     ids: np.ndarray
+    displaced: tuple[tuple[str, str, int], ...] = ()
 
     @property
     def count(self) -> int:
@@ -70,6 +72,13 @@ class Particles:
         place = ", ".join(f"{value:.6g}" for value in self.positions[index])
         return f"particle {int(self.ids[index])} of body '{self.names[int(self.bodies[index])]}' (from ({place}) m)"
 
+    def remarks(self) -> list[str]:
+        """A line for each solid that a fluid was drawn into, with the number of particles that gave way."""
+        return [
+            f"{fluid}: {count} particle{'s give' if count > 1 else ' gives'} way to {solid}, which it was drawn into"
+            for fluid, solid, count in self.displaced
+        ]
+
     def elastic_part(self) -> Particles:
         """The elastic particles alone."""
         return self._first(self.elastic)
@@ -88,4 +97,4 @@ class Particles:
 
 
 # fields without one row per particle
-_WHOLE = ("names", "ranges", "elastic", "liquid")
+_WHOLE = ("names", "ranges", "elastic", "liquid", "displaced")

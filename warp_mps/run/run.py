@@ -71,7 +71,8 @@ def run_scene(
         longest, limit = simulation.longest_step
         if longest > limit:
             _say(f"the time step of {longest:.4g} s is above the limit of {limit:.4g} s: expect an unstable run")
-        for line in [] if quiet else [*remarks(scene), *_remark_on_closed_fluid(simulation)]:
+        found = [*remarks(scene), *simulation.particles.remarks(), *_remark_on_closed_fluid(simulation)]
+        for line in [] if quiet else found:
             _say(line)
         if checkpoint is not None:
             simulation.restore(checkpoint.arrays)
