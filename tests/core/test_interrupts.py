@@ -9,7 +9,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from warp_mps.core.interrupts import hold_interrupts, single_interrupt
+from warp_mps.core.interrupts import defer_interrupts, first_interrupt_only
 
 
 @pytest.fixture(autouse=True)
@@ -23,7 +23,7 @@ def handler() -> Iterator[object]:
 def test_an_interrupt_comes_after_what_is_held() -> None:
     done = []
 
-    @hold_interrupts()
+    @defer_interrupts()
     def work() -> None:
         for number in range(3):
             signal.raise_signal(signal.SIGINT)
@@ -35,14 +35,14 @@ def test_an_interrupt_comes_after_what_is_held() -> None:
 
 
 def test_without_an_interrupt_nothing_happens() -> None:
-    with hold_interrupts():
+    with defer_interrupts():
         pass
     with pytest.raises(KeyboardInterrupt):
         signal.raise_signal(signal.SIGINT)
 
 
 def test_an_error_comes_before_the_interrupt() -> None:
-    @hold_interrupts()
+    @defer_interrupts()
     def work() -> None:
         signal.raise_signal(signal.SIGINT)
         raise ZeroDivisionError
@@ -53,7 +53,7 @@ def test_an_error_comes_before_the_interrupt() -> None:
 
 def test_interrupts_that_are_ignored_stay_so() -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    with hold_interrupts():
+    with defer_interrupts():
         signal.raise_signal(signal.SIGINT)
         assert signal.getsignal(signal.SIGINT) is signal.SIG_IGN
     signal.signal(signal.SIGINT, signal.default_int_handler)
@@ -63,7 +63,7 @@ def test_threads_that_are_never_interrupted_hold_nothing() -> None:
     found = []
 
     def look() -> None:
-        with hold_interrupts():
+        with defer_interrupts():
             found.append(signal.getsignal(signal.SIGINT))
 
     thread = threading.Thread(target=look)
@@ -75,7 +75,7 @@ def test_threads_that_are_never_interrupted_hold_nothing() -> None:
 def test_the_second_interrupt_does_not_stop_what_the_first_sets_off() -> None:
     done = []
 
-    @single_interrupt()
+    @first_interrupt_only()
     def work() -> None:
         try:
             signal.raise_signal(signal.SIGINT)
@@ -97,7 +97,7 @@ def test_an_interrupt_in_a_finalizer_takes_effect_after_it() -> None:
             signal.raise_signal(signal.SIGINT)
             done.append("finalized")
 
-    @single_interrupt()
+    @first_interrupt_only()
     def work() -> None:
         fragile = Fragile()
         del fragile
@@ -113,8 +113,8 @@ def test_an_interrupt_in_a_finalizer_takes_effect_after_it() -> None:
 def test_a_held_interrupt_is_the_first() -> None:
     done = []
 
-    @single_interrupt()
-    @hold_interrupts()
+    @first_interrupt_only()
+    @defer_interrupts()
     def work() -> None:
         for number in range(2):
             signal.raise_signal(signal.SIGINT)
@@ -127,6 +127,6 @@ def test_a_held_interrupt_is_the_first() -> None:
 
 def test_ignored_interrupts_stay_ignored() -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    with single_interrupt():
+    with first_interrupt_only():
         assert signal.getsignal(signal.SIGINT) is signal.SIG_IGN
     signal.signal(signal.SIGINT, signal.default_int_handler)

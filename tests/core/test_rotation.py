@@ -28,7 +28,7 @@ def pair_kernels(types: NumericTypes) -> SimpleNamespace:
     funcs = rotation_funcs(types, METHOD)
     mean_rotor, turn, torque_share, cross = funcs.mean_rotor, funcs.turn, funcs.torque_share, funcs.cross
     advance = funcs.advance
-    rotor, vec, spin, real = types.rotor, types.vec, types.spin, types.real
+    rotor, vec, axial, real = types.rotor, types.vec, types.axial, types.real
 
     @types.kernel(METHOD)
     def turn_pairs(
@@ -43,8 +43,8 @@ def pair_kernels(types: NumericTypes) -> SimpleNamespace:
         q_other: wp.array(dtype=rotor),
         x: wp.array(dtype=vec),
         force: wp.array(dtype=vec),
-        total_out: wp.array(dtype=spin),
-        share_out: wp.array(dtype=spin),
+        total_out: wp.array(dtype=axial),
+        share_out: wp.array(dtype=axial),
     ):
         i = wp.tid()
         m = mean_rotor(q[i], q_other[i])
@@ -52,12 +52,12 @@ def pair_kernels(types: NumericTypes) -> SimpleNamespace:
         share_out[i] = torque_share(q[i], m, total_out[i])
 
     @types.kernel(METHOD)
-    def spin_on(q: wp.array(dtype=rotor), omega: wp.array(dtype=spin), dt: real, steps: wp.int32):
+    def rotate(q: wp.array(dtype=rotor), omega: wp.array(dtype=axial), dt: real, steps: wp.int32):
         i = wp.tid()
         for _ in range(steps):
             q[i] = advance(q[i], omega[i], dt)
 
-    return SimpleNamespace(turn_pairs=turn_pairs, share_torque=share_torque, spin_on=spin_on)
+    return SimpleNamespace(turn_pairs=turn_pairs, share_torque=share_torque, rotate=rotate)
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -128,7 +128,7 @@ def test_torque_shares_are_the_gradient_of_the_mean_rotation(numbers: NumericTyp
 
 def shares(numbers: NumericTypes, a: np.ndarray, b: np.ndarray, x: np.ndarray, force: np.ndarray) -> list[np.ndarray]:
     """Torque of a force at R X on the pair, and the share of the first particle."""
-    out = [wp.zeros(len(x), dtype=numbers.spin) for _ in range(2)]
+    out = [wp.zeros(len(x), dtype=numbers.axial) for _ in range(2)]
     types = (numbers.rotor, numbers.rotor, numbers.vec, numbers.vec)
     inputs = [wp.array(values, dtype=dtype) for values, dtype in zip((a, b, x, force), types, strict=True)]
     wp.launch(pair_kernels(numbers).share_torque, len(x), inputs, out)
@@ -138,7 +138,7 @@ def shares(numbers: NumericTypes, a: np.ndarray, b: np.ndarray, x: np.ndarray, f
 def spun(numbers: NumericTypes, omega: np.ndarray, dt: float, steps: int) -> np.ndarray:
     """Rotors after some steps at constant angular velocities, from rest."""
     q = wp.array(identity_rotors(len(omega), numbers.dimension), dtype=numbers.rotor)
-    wp.launch(pair_kernels(numbers).spin_on, len(omega), [q, wp.array(omega, dtype=numbers.spin), dt, steps])
+    wp.launch(pair_kernels(numbers).rotate, len(omega), [q, wp.array(omega, dtype=numbers.axial), dt, steps])
     return q.numpy().astype(float)
 
 

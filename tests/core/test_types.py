@@ -8,12 +8,12 @@ import warp as wp
 from warp_mps.core.types import numeric_types
 
 
-@pytest.mark.parametrize(("dimension", "spin", "rotor"), [(2, 1, 2), (3, 3, 4)])
-def test_sizes_of_the_types(dimension: int, spin: int, rotor: int) -> None:
+@pytest.mark.parametrize(("dimension", "axial", "rotor"), [(2, 1, 2), (3, 3, 4)])
+def test_sizes_of_the_types(dimension: int, axial: int, rotor: int) -> None:
     numbers = numeric_types(dimension)
-    assert [len(dtype()) for dtype in (numbers.vec, numbers.spin, numbers.rotor, numbers.vec3)] == [
+    assert [len(dtype()) for dtype in (numbers.vec, numbers.axial, numbers.rotor, numbers.vec3)] == [
         dimension,
-        spin,
+        axial,
         rotor,
         3,
     ]
@@ -25,7 +25,7 @@ def test_precision_of_the_types(precision: str, real: type) -> None:
     assert numbers.real is real
     names = {
         wp.zeros(1, dtype=dtype, device="cpu").numpy().dtype.name
-        for dtype in (numbers.vec, numbers.spin, numbers.rotor)
+        for dtype in (numbers.vec, numbers.axial, numbers.rotor)
     }
     assert names == {precision}
 

@@ -34,14 +34,14 @@ class Held:
         self.state.u.assign(displacements.astype(self.state.u.numpy().dtype))
         if rotors is None:
             rotors = identity_rotors(self.particles.count, self.particles.dimension)
-        self.model.spins.q.assign(rotors.astype(self.model.spins.q.numpy().dtype))
+        self.model.rotation.q.assign(rotors.astype(self.model.rotation.q.numpy().dtype))
         return self
 
     def loads(self) -> tuple[np.ndarray, np.ndarray]:
         """Elastic forces [N], shape [n, d], and torques [N m], shape [n, 1] in 2-D and [n, 3] in 3-D."""
         for _, launch in self.model.passes:
             launch(self.state, 0, self.particles.count)
-        return self.state.force.numpy().astype(float), self.model.spins.torque.numpy().astype(float)
+        return self.state.force.numpy().astype(float), self.model.rotation.torque.numpy().astype(float)
 
     def pressures(self) -> np.ndarray:
         """Pressures [Pa], shape [n]."""

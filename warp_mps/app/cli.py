@@ -17,7 +17,7 @@ from tyro.conf import Positional, UseAppendAction, arg
 from warp_mps import __version__
 from warp_mps.app import result_commands
 from warp_mps.app.arguments import parse
-from warp_mps.core.interrupts import single_interrupt
+from warp_mps.core.interrupts import first_interrupt_only
 from warp_mps.errors import InputError, RunError
 
 MODELS: tuple[Literal["hamiltonian", "springs"], ...] = ("hamiltonian", "springs")
@@ -153,7 +153,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     signal.signal(signal.SIGTERM, lambda *_: signal.raise_signal(signal.SIGINT))
     try:
         # a second Ctrl-C must not interrupt the saving that the first one started
-        with single_interrupt():
+        with first_interrupt_only():
             return parse(COMMANDS, arguments)()
     except InputError as error:
         from warp_mps.usd.case.attributes import stage_error

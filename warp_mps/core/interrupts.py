@@ -9,7 +9,7 @@ from types import FrameType
 
 
 @contextlib.contextmanager
-def hold_interrupts() -> Iterator[None]:
+def defer_interrupts() -> Iterator[None]:
     """Let what is inside end before an interrupt (SIGINT) takes effect; an error inside comes before the interrupt."""
     handler = signal.getsignal(signal.SIGINT)
     # only the main thread is ever interrupted; a handler that is not Python's cannot be called, nor put back
@@ -38,7 +38,7 @@ def _finalizes(frame: FrameType | None) -> bool:
 
 
 @contextlib.contextmanager
-def single_interrupt() -> Iterator[None]:
+def first_interrupt_only() -> Iterator[None]:
     """Let the first interrupt (SIGINT) take effect and no other, so that what it sets off comes to its end.
 
     One that arrives in a finalizer takes effect a little later.

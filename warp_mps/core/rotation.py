@@ -22,11 +22,11 @@ def rotation_funcs(types: NumericTypes, method: str) -> SimpleNamespace:
 
 
 def _plane_funcs(types: NumericTypes, method: str) -> SimpleNamespace:
-    real, vec, spin, rotor = types.real, types.vec, types.spin, types.rotor
+    real, vec, axial, rotor = types.real, types.vec, types.axial, types.rotor
 
     @types.func(method)
-    def cross(a: vec, b: vec) -> spin:
-        return spin(a[0] * b[1] - a[1] * b[0])
+    def cross(a: vec, b: vec) -> axial:
+        return axial(a[0] * b[1] - a[1] * b[0])
 
     @types.func(method)
     def mean_rotor(q_i: rotor, q_j: rotor) -> rotor:
@@ -39,11 +39,11 @@ def _plane_funcs(types: NumericTypes, method: str) -> SimpleNamespace:
         return vec(-s * (m[1] * x[0] + m[0] * x[1]), s * (m[0] * x[0] - m[1] * x[1]))
 
     @types.func(method)
-    def torque_share(q_i: rotor, m: rotor, torque: spin) -> spin:
+    def torque_share(q_i: rotor, m: rotor, torque: axial) -> axial:
         return real(0.5) * torque
 
     @types.func(method)
-    def advance(q: rotor, omega: spin, dt: real) -> rotor:
+    def advance(q: rotor, omega: axial, dt: real) -> rotor:
         """Rotor after a turn of omega dt, by the Cayley map.
 
         Normalized, because in single precision the length would grow by the same rounding at every step.
@@ -55,10 +55,10 @@ def _plane_funcs(types: NumericTypes, method: str) -> SimpleNamespace:
 
 
 def _space_funcs(types: NumericTypes, method: str) -> SimpleNamespace:
-    real, vec, spin, rotor = types.real, types.vec, types.spin, types.rotor
+    real, vec, axial, rotor = types.real, types.vec, types.axial, types.rotor
 
     @types.func(method)
-    def cross(a: vec, b: vec) -> spin:
+    def cross(a: vec, b: vec) -> axial:
         return wp.cross(a, b)
 
     @types.func(method)
@@ -78,7 +78,7 @@ def _space_funcs(types: NumericTypes, method: str) -> SimpleNamespace:
         return m[0] * t + wp.cross(v, t)
 
     @types.func(method)
-    def torque_share(q_i: rotor, m: rotor, torque: spin) -> spin:
+    def torque_share(q_i: rotor, m: rotor, torque: axial) -> axial:
         """Torque on particle i when `torque` acts on the mean rotation m of i and j.
 
         The mean rotation turns by (omega_i c + omega_i x v + ...)/(2 c), with (c, v) = q_i m^-1 of any length, when q_i
@@ -92,7 +92,7 @@ def _space_funcs(types: NumericTypes, method: str) -> SimpleNamespace:
         return real(0.5) * (torque + wp.cross(v, torque) / c)
 
     @types.func(method)
-    def advance(q: rotor, omega: spin, dt: real) -> rotor:
+    def advance(q: rotor, omega: axial, dt: real) -> rotor:
         """Quaternion after a turn of omega dt (world axes), by the Cayley map."""
         a = real(0.5) * dt * omega
         p = vec(q[1], q[2], q[3])

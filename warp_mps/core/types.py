@@ -43,7 +43,7 @@ class NumericTypes:
         return wp.types.matrix(shape=(self.dimension, self.dimension), dtype=self.real)
 
     @property
-    def spin(self) -> Any:
+    def axial(self) -> Any:
         """Angular velocity or torque: 1 component in 2-D, 3 in 3-D."""
         return wp.types.vector(length=2 * self.dimension - 3, dtype=self.real)
 

@@ -17,7 +17,7 @@ from types import SimpleNamespace
 
 import warp as wp
 
-from warp_mps.core.linear.kernels import FRESH
+from warp_mps.core.linear.kernels import RESTART
 from warp_mps.core.periodic import displacement_function
 from warp_mps.core.types import NumericTypes
 from warp_mps.core.weights import weight_function
@@ -126,7 +126,7 @@ def coupling_kernels(types: NumericTypes) -> SimpleNamespace:
         for m in range(count[j]):
             i = listed[j, m]
             value = direction[i - walls]
-            if control[FRESH] != 0:
+            if control[RESTART] != 0:
                 value = p[i - walls]
             total += real(value) * arm(x[i], x_j, tilt[i - walls], period, radius, spacing, laplacian)
         force_out[j] = volume * total
@@ -214,7 +214,7 @@ def coupling_kernels(types: NumericTypes) -> SimpleNamespace:
             if j < markers:
                 total += mobility[j] * wp.dot(arm(x_i, x[j], tilt[k], period, radius, spacing, laplacian), force[j])
         value = direction[k]
-        if control[FRESH] != 0:
+        if control[RESTART] != 0:
             value = p[k]
         q[k] = q[k] + wp.float64(density * total) - wp.float64(own[k]) * value
 

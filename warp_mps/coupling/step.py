@@ -81,7 +81,7 @@ class CoupledStep:
             wp.ones(1, dtype=wp.float64, device=device),
         )
         self._unused_work = wp.zeros(e, dtype=wp.float64, device=device)
-        free = ~structure.solid.outside.held[: markers.elastic]
+        free = ~structure.solid.boundary.held[: markers.elastic]
         self._free = wp.array(free, dtype=types.vec, device=device)
         self._quasi_newton = QuasiNewton(REMEMBERED)
         self.mobility = Mobility(markers, types=types, device=device)

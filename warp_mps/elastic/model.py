@@ -7,7 +7,7 @@ import numpy as np
 import warp as wp
 
 from warp_mps.elastic.output.stresses import StressFields
-from warp_mps.elastic.springs.rotation import Spins
+from warp_mps.elastic.springs.rotation import ParticleRotation
 from warp_mps.elastic.state import ElasticState
 
 # launches over a number of particles from a first one on
@@ -18,7 +18,7 @@ class ElasticModel(Protocol):
     """The constants of a model for a set of particles, and the launches that use them."""
 
     @property
-    def spins(self) -> Spins | None:
+    def rotation(self) -> ParticleRotation | None:
         """Rotation of the particles; None where the model gives them none."""
 
     @property

@@ -8,7 +8,7 @@ import numpy as np
 
 from warp_mps.core.linear.conjugate_gradient import Statistics
 from warp_mps.core.linear.conjugate_gradient import declare_kernels as declare_solver
-from warp_mps.core.multigrid.preconditioner import declare_kernels as declare_multilevel
+from warp_mps.core.multigrid.preconditioner import declare_kernels as declare_multigrid
 from warp_mps.core.types import NumericTypes
 from warp_mps.elastic.output.stresses import StressFields
 from warp_mps.fluid import METHOD
@@ -21,13 +21,13 @@ from warp_mps.fluid.time_loop import TimeLoop
 from warp_mps.particles.particles import Particles
 from warp_mps.results.energy import Energy
 from warp_mps.scene import Scene
-from warp_mps.walls.poses import declare_rigid
+from warp_mps.walls.poses import declare_walls
 
 
 def declare_kernels(types: NumericTypes) -> list[str]:
     """Declare every kernel that fluids need, and return the names of their modules."""
     fluid_kernels(types)
-    return [types.module(METHOD), *declare_solver(types), *declare_multilevel(types), declare_rigid(types)]
+    return [types.module(METHOD), *declare_solver(types), *declare_multigrid(types), declare_walls(types)]
 
 
 class Fluids:

@@ -8,7 +8,7 @@ import numpy as np
 import warp as wp
 
 from warp_mps.core.linear.conjugate_gradient import ConjugateGradient, Matrix, Product
-from warp_mps.core.multigrid.preconditioner import Multilevel
+from warp_mps.core.multigrid.preconditioner import MultigridPreconditioner
 from warp_mps.fluid.kernels import fluid_kernels
 from warp_mps.fluid.model import FluidModel
 from warp_mps.fluid.neighbours import NeighbourLists
@@ -130,11 +130,11 @@ class PressureEquation:
         return wp.zeros(length, dtype=kind, device=self._model.device)
 
 
-def _preconditioner(model: FluidModel, state: FluidState) -> Multilevel:
-    """A multilevel preconditioner over the box of the particles, along periodic axes over the domain."""
+def _preconditioner(model: FluidModel, state: FluidState) -> MultigridPreconditioner:
+    """A multigrid preconditioner over the box of the particles, along periodic axes over the domain."""
     x = model.particles.positions
     wraps = np.isin(np.arange(model.types.dimension), model.periodic)
-    return Multilevel(
+    return MultigridPreconditioner(
         state.x[model.walls :],
         low=np.where(wraps, model.low, np.maximum(x.min(axis=0), model.low)),
         high=np.where(wraps, model.high, np.minimum(x.max(axis=0), model.high)),

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
-from warp_mps.core.interrupts import hold_interrupts
+from warp_mps.core.interrupts import defer_interrupts
 from warp_mps.particles.particles import Particles
 from warp_mps.results.energy import Energy
 
@@ -174,7 +174,7 @@ def closing(observers: Sequence[Observer]) -> Iterator[None]:
         yield
     except BaseException as error:
         errors.append(error)
-    with hold_interrupts():
+    with defer_interrupts():
         for observer in observers:
             try:
                 observer.close()

@@ -15,7 +15,7 @@ from typing import IO, Any
 
 import numpy as np
 
-from warp_mps.core.interrupts import hold_interrupts
+from warp_mps.core.interrupts import defer_interrupts
 from warp_mps.errors import InputError, RunError
 from warp_mps.observers.base import Observer, View
 
@@ -98,7 +98,7 @@ class CheckpointWriter(Observer):
     def _save(self) -> None:
         if self._pending is not None:
             # who interrupts twice in impatience must not lose the state
-            with hold_interrupts():
+            with defer_interrupts():
                 for path in self._results:
                     _sync(path)
                 save_checkpoint(self._folder, self._fingerprint, self._pending)

@@ -6,7 +6,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from warp_mps.core.interrupts import single_interrupt
+from warp_mps.core.interrupts import first_interrupt_only
 from warp_mps.errors import InputError
 from warp_mps.observers.base import Observer
 from warp_mps.observers.progress import Progress
@@ -90,7 +90,7 @@ def run_scene(
             )
         except OSError as error:
             raise InputError(str(folder), "", f"cannot be written: {error.strerror}") from error
-        with single_interrupt():
+        with first_interrupt_only():
             return recording.execute()
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from warp_mps.core.interrupts import hold_interrupts
+from warp_mps.core.interrupts import defer_interrupts
 from warp_mps.errors import InputError, RunError
 from warp_mps.observers.base import Observer, closing
 from warp_mps.particles.filling import fill_scene
@@ -174,7 +174,7 @@ class Simulation(Readings):
         block = self._steps.block
         blocks, rest = divmod(steps, block)
         for count in itertools.chain(itertools.repeat(block, blocks), itertools.repeat(1, rest)):
-            with hold_interrupts():
+            with defer_interrupts():
                 self._steps.take(self.step, count)
                 self.step += count
 

@@ -112,7 +112,7 @@ class ThreadedSteps:
         import warp as wp
 
         from warp_mps.core.replay import capture
-        from warp_mps.core.threads import Team, shares
+        from warp_mps.core.thread_team import ThreadTeam, split_particles
 
         def task(section: Sequence[Phase], share: tuple[int, int]) -> Callable[[], None]:
             def launch() -> None:
@@ -123,10 +123,10 @@ class ThreadedSteps:
 
         count, threads = self._particles, self._threads
         sections = [
-            [task(section, share) for share in (shares(count, threads) if section[0].splits else [(0, count)])]
+            [task(section, share) for share in (split_particles(count, threads) if section[0].splits else [(0, count)])]
             for section in self._solid.sections()
         ]
-        return Team([tasks + [None] * (threads - len(tasks)) for tasks in sections], threads)
+        return ThreadTeam([tasks + [None] * (threads - len(tasks)) for tasks in sections], threads)
 
 
 def _repeat(launch: Callable[[], None], times: int) -> None:

@@ -74,9 +74,9 @@ def _declare(scene: Scene, types: Any) -> list[str]:
 
         modules += solid.declare_kernels(types)
     if scene.walls and not scene.fluids:
-        from warp_mps.walls.poses import declare_rigid
+        from warp_mps.walls.poses import declare_walls
 
-        modules.append(declare_rigid(types))
+        modules.append(declare_walls(types))
     if scene.implicit or (scene.bodies and scene.fluids):
         from warp_mps.elastic.implicit.kernels import declare_implicit
 

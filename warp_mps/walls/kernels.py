@@ -17,11 +17,11 @@ import warp as wp
 from warp_mps.core.cubic import cubic_funcs
 from warp_mps.core.types import NumericTypes
 
-METHOD = "rigid"
+METHOD = "walls"
 
 
 @functools.cache
-def rigid_kernels(types: NumericTypes) -> SimpleNamespace:
+def wall_kernels(types: NumericTypes) -> SimpleNamespace:
     """Kernels `clock`, `pose`, `place`, `drive`, `drive_work` and `clear`."""
     vec, d = types.vec, types.dimension
     vec64 = wp.types.vector(length=d, dtype=wp.float64)
@@ -58,10 +58,10 @@ def rigid_kernels(types: NumericTypes) -> SimpleNamespace:
         half = wp.sin(wp.float64(0.5) * angle)
         across = about(k, r)
         u = value[w, 0] + wp.sin(angle) * across + (wp.float64(2.0) * half * half) * about(k, across)
-        spin = rate[w, 1][0]
+        turning = rate[w, 1][0]
         around = about(k, r + u - value[w, 0])
-        v = rate[w, 0] + spin * around
-        a = second[w, 0] + second[w, 1][0] * around + (spin * spin) * about(k, around)
+        v = rate[w, 0] + turning * around
+        a = second[w, 0] + second[w, 1][0] * around + (turning * turning) * about(k, around)
         return u, v, a
 
     @types.kernel(METHOD)

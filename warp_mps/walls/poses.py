@@ -9,14 +9,14 @@ from warp_mps.core.types import NumericTypes
 from warp_mps.particles.particles import Particles
 from warp_mps.scene import HarmonicMotion, HarmonicRotation, Scene, TableMotion, TableRotation, Wall
 from warp_mps.scene.spline import clamped_slopes
-from warp_mps.walls.kernels import METHOD, rigid_kernels
+from warp_mps.walls.kernels import METHOD, wall_kernels
 
 Track = HarmonicMotion | TableMotion | HarmonicRotation | TableRotation | None
 
 
-def declare_rigid(types: NumericTypes) -> str:
+def declare_walls(types: NumericTypes) -> str:
     """Declare the kernels of a types, so that their module is compiled once, and return its name."""
-    rigid_kernels(types)
+    wall_kernels(types)
     return types.module(METHOD)
 
 
@@ -40,7 +40,7 @@ class Poses:
     """
 
     def __init__(self, scene: Scene, *, types: NumericTypes, device: Any) -> None:
-        self._kernels, self._device, self._d = rigid_kernels(types), device, types.dimension
+        self._kernels, self._device, self._d = wall_kernels(types), device, types.dimension
         self.vec64 = wp.types.vector(length=types.dimension, dtype=wp.float64)
         self._shape = (len(scene.walls), 2)
         self._constants = self._tracks([(wall.motion, wall.rotation) for wall in scene.walls])

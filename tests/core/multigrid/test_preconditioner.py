@@ -1,4 +1,4 @@
-"""The multilevel preconditioner: few iterations whatever the size, and an inverse that conjugate gradients may use."""
+"""The multigrid preconditioner: few iterations whatever the size, and an inverse that conjugate gradients may use."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from warp_mps.core.device import open_device
 from warp_mps.core.linear.conjugate_gradient import ConjugateGradient, Statistics
 from warp_mps.core.multigrid.cell_kernels import cell_kernels
 from warp_mps.core.multigrid.particle_kernels import particle_kernels
-from warp_mps.core.multigrid.preconditioner import SCALE, Multilevel, declare_kernels
+from warp_mps.core.multigrid.preconditioner import SCALE, MultigridPreconditioner, declare_kernels
 from warp_mps.core.types import numeric_types
 
 
@@ -29,20 +29,27 @@ def vector(values: np.ndarray) -> wp.array:
     return wp.array(values, dtype=wp.float64, device="cpu")
 
 
-def make_multilevel(
+def make_multigrid(
     system: System, *, reach: float = 2.1, margin: float = 0.0, spare: int = 0, periodic: tuple[int, ...] = ()
-) -> Multilevel:
+) -> MultigridPreconditioner:
     """On a domain that is larger than the particles' box by a margin on all sides."""
     d = system.positions.shape[1]
     numbers = numeric_types(d)
     positions = np.vstack((system.positions, np.full((spare, d), np.nan)))
     low, high = np.floor(system.positions.min(axis=0)) - margin, np.ceil(system.positions.max(axis=0)) + margin
     points = wp.array(positions, dtype=numbers.vec, device="cpu")
-    return Multilevel(points, low=low, high=high, reach=reach, types=numbers, device="cpu", periodic=periodic)
+    return MultigridPreconditioner(
+        points, low=low, high=high, reach=reach, types=numbers, device="cpu", periodic=periodic
+    )
 
 
 def solve(
-    system: System, preconditioner: Multilevel | None, *, spare: int = 0, singular: bool | None = None, **options: Any
+    system: System,
+    preconditioner: MultigridPreconditioner | None,
+    *,
+    spare: int = 0,
+    singular: bool | None = None,
+    **options: Any,
 ) -> tuple[np.ndarray, Statistics]:
     """Solution and statistics of one solve, from zero."""
     n, numbers = system.n + spare, numeric_types(system.positions.shape[1])
@@ -53,15 +60,15 @@ def solve(
     return x.numpy()[: system.n], solver.read_statistics()
 
 
-def as_matrix(multilevel: Multilevel, system: System) -> np.ndarray:
+def as_matrix(multigrid: MultigridPreconditioner, system: System) -> np.ndarray:
     """The preconditioner's part P V P^T, between all rows."""
     matrix = on_device(system)
     inverse = vector(np.where(system.active != 0, 1.0 / system.diagonal, 0.0))
-    multilevel.prepare(matrix, inverse)
+    multigrid.prepare(matrix, inverse)
     columns = []
     for unit in np.eye(system.n):
         z = vector(np.zeros(system.n))
-        multilevel.apply(vector(unit), z)
+        multigrid.apply(vector(unit), z)
         columns.append(z.numpy())
     return np.array(columns).T
 
@@ -79,7 +86,7 @@ CASES = {
 def test_few_iterations_to_the_solution(name: str) -> None:
     shape, reach, scatter = CASES[name]
     system = laplacian(shape, reach=reach, scatter=scatter)
-    x, statistics = solve(system, make_multilevel(system, reach=reach), tolerance=1e-8)
+    x, statistics = solve(system, make_multigrid(system, reach=reach), tolerance=1e-8)
     exact = scipy.sparse.linalg.spsolve(system.inner, system.b[system.unknowns])
     np.testing.assert_allclose(x[system.unknowns], exact, rtol=0, atol=1e-6 * np.abs(exact).max())
     _, jacobi = solve(system, None, tolerance=1e-8)
@@ -89,8 +96,8 @@ def test_few_iterations_to_the_solution(name: str) -> None:
 
 def test_iterations_do_not_grow_with_the_unknowns() -> None:
     small, large = laplacian((25, 25)), laplacian((150, 150))
-    _, few = solve(small, make_multilevel(small))
-    _, many = solve(large, make_multilevel(large))
+    _, few = solve(small, make_multigrid(small))
+    _, many = solve(large, make_multigrid(large))
     assert many.iterations <= few.iterations + 3
 
 
@@ -110,22 +117,22 @@ def test_a_period_costs_no_iterations(name: str) -> None:
     shape, periodic, reach = PERIODIC[name]
     system = laplacian(shape, reach=reach, surface=False, periodic=periodic)
     closed = laplacian(shape, reach=reach, surface=False)
-    multilevel = make_multilevel(system, reach=reach, periodic=periodic)
-    x, statistics = solve(system, multilevel, singular=True)
-    _, expected = solve(closed, make_multilevel(closed, reach=reach), singular=True)
-    _, unaware = solve(system, make_multilevel(system, reach=reach), singular=True)
+    multigrid = make_multigrid(system, reach=reach, periodic=periodic)
+    x, statistics = solve(system, multigrid, singular=True)
+    _, expected = solve(closed, make_multigrid(closed, reach=reach), singular=True)
+    _, unaware = solve(system, make_multigrid(system, reach=reach), singular=True)
     assert statistics.iterations <= expected.iterations + 2
     assert unaware.iterations > 1.5 * statistics.iterations
     assert system.residual(x) <= 1.01e-6
-    np.testing.assert_array_equal(solve(system, multilevel, singular=True)[0], x)
+    np.testing.assert_array_equal(solve(system, multigrid, singular=True)[0], x)
 
 
 def test_positions_beyond_a_period_are_those_within() -> None:
     system = laplacian((30, 26), surface=False, periodic=(0, 1))
-    expected, statistics = solve(system, make_multilevel(system, periodic=(0, 1)), singular=True)
-    multilevel = make_multilevel(system, periodic=(0, 1))
-    multilevel._positions.assign(system.positions + np.random.default_rng(3).integers(-1, 2, (system.n, 2)) * (30, 26))
-    x, beyond = solve(system, multilevel, singular=True)
+    expected, statistics = solve(system, make_multigrid(system, periodic=(0, 1)), singular=True)
+    multigrid = make_multigrid(system, periodic=(0, 1))
+    multigrid._positions.assign(system.positions + np.random.default_rng(3).integers(-1, 2, (system.n, 2)) * (30, 26))
+    x, beyond = solve(system, multigrid, singular=True)
     assert beyond.iterations == statistics.iterations
     np.testing.assert_allclose(x, expected, atol=1e-9 * np.abs(expected).max())
 
@@ -143,14 +150,14 @@ def test_it_is_symmetric_and_positive_whatever_the_matrix(
     flips = np.random.default_rng(7).choice((-1.0, 1.0), size=(system.n, system.n))
     weights.data *= sign if sign else (flips * flips.T)[weights.nonzero()]
     turned = System(system.positions, weights, system.diagonal, system.active, system.b)
-    multilevel = make_multilevel(system, periodic=axes)
-    matrix = as_matrix(multilevel, turned)
+    multigrid = make_multigrid(system, periodic=axes)
+    matrix = as_matrix(multigrid, turned)
     np.testing.assert_allclose(matrix, matrix.T, atol=1e-13 * np.abs(matrix).max())
     eigenvalues = np.linalg.eigvalsh(0.5 * (matrix + matrix.T))
     assert eigenvalues.min() >= -1e-12 * eigenvalues.max()
     if sign:
         # as many directions as there are cells are corrected, but what does not follow its neighbours is left alone
-        cells = np.sum(multilevel._levels[0].diagonal.numpy() > 0.0)
+        cells = np.sum(multigrid._levels[0].diagonal.numpy() > 0.0)
         assert np.sum(eigenvalues > 1e-6 * eigenvalues.max()) == (cells if sign > 0.0 else 0)
     np.testing.assert_array_equal(matrix[system.active == 0], 0.0)
 
@@ -163,9 +170,9 @@ def test_matrix_of_the_cells_is_the_sum_of_the_entries_between_them(
     shape: tuple[int, ...], periodic: tuple[int, ...], surface: bool
 ) -> None:
     system = laplacian(shape, scatter=0.1 * surface, surface=surface, periodic=periodic)
-    multilevel = make_multilevel(system, periodic=periodic)
-    as_matrix(multilevel, system)
-    level = multilevel._levels[0]
+    multigrid = make_multigrid(system, periodic=periodic)
+    as_matrix(multigrid, system)
+    level = multigrid._levels[0]
     dims = np.array([level.dims[axis] for axis in range(len(shape))])
     wraps = np.isin(np.arange(len(shape)), periodic)
     widths = np.where(wraps, np.array(shape) / dims, 2.1)
@@ -190,26 +197,26 @@ def test_matrix_of_the_cells_is_the_sum_of_the_entries_between_them(
 def test_interpolation_is_linear_and_collecting_is_its_transpose(dimension: int) -> None:
     # no cell is empty: the last ones have particles for at least half of their width
     system = laplacian((14, 12, 10)[:dimension], surface=False)
-    multilevel = make_multilevel(system)
-    as_matrix(multilevel, system)
-    level, kernels = multilevel._levels[0], particle_kernels(numeric_types(dimension))
+    multigrid = make_multigrid(system)
+    as_matrix(multigrid, system)
+    level, kernels = multigrid._levels[0], particle_kernels(numeric_types(dimension))
     dims = np.array([level.dims[axis] for axis in range(dimension)])
     axes = np.meshgrid(*[2.1 * (np.arange(length) + 0.5) for length in dims], indexing="ij")
     slope = np.array([2.0, -1.0, 0.5])[:dimension]
     field = sum(s * x for s, x in zip(slope, axes, strict=True)).ravel(order="F")
     z = vector(np.zeros(system.n))
     wp.launch(
-        kernels.spread, multilevel._sums, [*multilevel._grid, vector(field)], [multilevel._corner_sums], device="cpu"
+        kernels.spread, multigrid._sums, [*multigrid._grid, vector(field)], [multigrid._corner_sums], device="cpu"
     )
-    inputs = [multilevel._inverse, multilevel._between, multilevel._weight, multilevel._corner_sums]
+    inputs = [multigrid._inverse, multigrid._between, multigrid._weight, multigrid._corner_sums]
     wp.launch(kernels.interpolate_particles, system.n, inputs, [z], device="cpu")
     inner = np.all((system.positions > 1.06) & (system.positions < 2.1 * dims - 1.06), axis=1)
     np.testing.assert_allclose(z.numpy()[inner], (system.positions @ slope)[inner], rtol=1e-12)
 
     r = np.random.default_rng(2).normal(size=system.n)
-    inputs = [*multilevel._grid, multilevel._start, multilevel._order, multilevel._weight, vector(r)]
-    wp.launch(kernels.collect_particles, multilevel._sums, inputs, [multilevel._corner_sums], device="cpu")
-    inputs = [*multilevel._grid, level.diagonal, multilevel._corner_sums]
+    inputs = [*multigrid._grid, multigrid._start, multigrid._order, multigrid._weight, vector(r)]
+    wp.launch(kernels.collect_particles, multigrid._sums, inputs, [multigrid._corner_sums], device="cpu")
+    inputs = [*multigrid._grid, level.diagonal, multigrid._corner_sums]
     wp.launch(kernels.collect_corners, level.size, inputs, [level.r, level.e], device="cpu")
     assert level.r.numpy().sum() == pytest.approx(r.sum(), rel=1e-10)
     assert level.r.numpy() @ field == pytest.approx(r @ z.numpy(), rel=1e-10)
@@ -218,10 +225,10 @@ def test_interpolation_is_linear_and_collecting_is_its_transpose(dimension: int)
 def test_rows_of_a_surface_cost_no_iterations() -> None:
     """Unknowns whose diagonals are several times their couplings, as those that a free surface makes nearly known."""
     system = laplacian((50, 40), surface=False)
-    _, without = solve(system, make_multilevel(system), singular=True)
+    _, without = solve(system, make_multigrid(system), singular=True)
     diagonal = system.diagonal * np.where(system.positions[:, 1] > 39.0, 5.0, 1.0)
     surface = System(system.positions, system.weights, diagonal, system.active, system.b)
-    x, statistics = solve(surface, make_multilevel(surface))
+    x, statistics = solve(surface, make_multigrid(surface))
     assert statistics.iterations <= without.iterations + 1
     assert surface.residual(x) <= 1.01e-6
 
@@ -229,7 +236,7 @@ def test_rows_of_a_surface_cost_no_iterations() -> None:
 def test_singular_system() -> None:
     system = laplacian((40, 35), surface=False)
     shifted = System(system.positions, system.weights, system.diagonal, system.active, system.b + 0.3)
-    x, statistics = solve(shifted, make_multilevel(system), singular=True, tolerance=1e-8)
+    x, statistics = solve(shifted, make_multigrid(system), singular=True, tolerance=1e-8)
     assert statistics.iterations <= 20
     assert system.residual(x) <= 1.01e-8
 
@@ -238,9 +245,9 @@ def test_singular_system() -> None:
 def test_a_domain_that_does_not_fit_costs_iterations_only(margin: float) -> None:
     """Particles outside are kept at the edge; a nearly empty domain gets wider cells."""
     system = laplacian((40, 30))
-    multilevel = make_multilevel(system, margin=margin)
-    assert multilevel._levels[0].size <= system.n
-    x, statistics = solve(system, multilevel, tolerance=1e-8)
+    multigrid = make_multigrid(system, margin=margin)
+    assert multigrid._levels[0].size <= system.n
+    x, statistics = solve(system, multigrid, tolerance=1e-8)
     assert system.residual(x) <= 1.01e-8
     _, jacobi = solve(system, None, tolerance=1e-8)
     assert statistics.iterations < jacobi.iterations
@@ -248,27 +255,27 @@ def test_a_domain_that_does_not_fit_costs_iterations_only(margin: float) -> None
 
 def test_order_of_the_particles_does_not_matter() -> None:
     system = laplacian((40, 30))
-    _, before = solve(system, make_multilevel(system))
+    _, before = solve(system, make_multigrid(system))
     order = np.random.default_rng(0).permutation(system.n)
     weights = system.weights[order][:, order].tocsr()
     weights.sort_indices()
     shuffled = System(system.positions[order], weights, system.diagonal[order], system.active[order], system.b[order])
-    _, after = solve(shuffled, make_multilevel(shuffled))
+    _, after = solve(shuffled, make_multigrid(shuffled))
     assert abs(after.iterations - before.iterations) <= 1
 
 
 def test_rows_beyond_the_count_do_not_matter() -> None:
     """Their positions are no numbers."""
     system = laplacian((30, 20))
-    expected, _ = solve(system, make_multilevel(system))
-    x, _ = solve(system, make_multilevel(system, spare=50), spare=50)
+    expected, _ = solve(system, make_multigrid(system))
+    x, _ = solve(system, make_multigrid(system, spare=50), spare=50)
     np.testing.assert_allclose(x, expected, rtol=0, atol=1e-12 * np.abs(expected).max())
 
 
 def test_graph_and_eager_give_the_same_bits() -> None:
     system = laplacian((40, 30))
-    expected, _ = solve(system, make_multilevel(system))
-    solver = ConjugateGradient(system.n, types=numeric_types(2), device="cpu", preconditioner=make_multilevel(system))
+    expected, _ = solve(system, make_multigrid(system))
+    solver = ConjugateGradient(system.n, types=numeric_types(2), device="cpu", preconditioner=make_multigrid(system))
     matrix, b, x = on_device(system), vector(system.b), vector(np.zeros(system.n))
     with wp.ScopedCapture(device="cpu") as capture:
         x.zero_()
@@ -279,8 +286,8 @@ def test_graph_and_eager_give_the_same_bits() -> None:
         np.testing.assert_array_equal(x.numpy(), expected)
 
 
-@pytest.mark.parametrize("multilevel", [False, True])
-def test_entries_in_single_precision_leave_the_solution_in_double(multilevel: bool) -> None:
+@pytest.mark.parametrize("multigrid", [False, True])
+def test_entries_in_single_precision_leave_the_solution_in_double(multigrid: bool) -> None:
     """The residual falls far below what single precision can tell apart."""
     system = laplacian((50, 40))
     # 24 bits are enough for these
@@ -291,7 +298,7 @@ def test_entries_in_single_precision_leave_the_solution_in_double(multilevel: bo
     numbers = numeric_types(2, "float32")
     points = wp.array(system.positions, dtype=numbers.vec, device="cpu")
     domain = {"low": np.zeros(2), "high": np.array((50.0, 40.0)), "reach": 2.1}
-    preconditioner = Multilevel(points, **domain, types=numbers, device="cpu") if multilevel else None
+    preconditioner = MultigridPreconditioner(points, **domain, types=numbers, device="cpu") if multigrid else None
     solver = ConjugateGradient(system.n, types=numbers, device="cpu", tolerance=1e-11, preconditioner=preconditioner)
     x = vector(np.zeros(system.n))
     solver.solve(on_device(rounded, real=wp.float32), vector(system.b), x)
@@ -302,13 +309,13 @@ def test_entries_in_single_precision_leave_the_solution_in_double(multilevel: bo
 def test_moving_particles_are_followed() -> None:
     """The same preconditioner at new positions is as good as one made for them."""
     system = laplacian((40, 30))
-    multilevel = make_multilevel(system)
-    solve(system, multilevel)
+    multigrid = make_multigrid(system)
+    solve(system, multigrid)
     mirrored = np.array((40.0, 0.0)) + system.positions * (-1.0, 1.0)
     turned = System(mirrored, system.weights, system.diagonal, system.active, system.b)
-    multilevel._positions.assign(turned.positions)
-    _, statistics = solve(turned, multilevel)
-    _, expected = solve(turned, make_multilevel(turned))
+    multigrid._positions.assign(turned.positions)
+    _, statistics = solve(turned, multigrid)
+    _, expected = solve(turned, make_multigrid(turned))
     assert statistics.iterations == expected.iterations
 
 

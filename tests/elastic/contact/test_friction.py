@@ -81,9 +81,9 @@ def test_a_wall_has_a_friction_of_its_own() -> None:
 
 
 def test_without_friction_nothing_is_paid_for_it() -> None:
-    assert Simulation(incline(2, 30.0, contact=Contact())).solid.contacts.rubbing is None
-    assert Simulation(incline(2, 30.0, wall=0.0, contact=Contact())).solid.contacts.rubbing is None
-    assert Simulation(incline(2, 30.0, wall=0.1, contact=Contact())).solid.contacts.rubbing is not None
+    assert Simulation(incline(2, 30.0, contact=Contact())).solid.contacts.friction is None
+    assert Simulation(incline(2, 30.0, wall=0.0, contact=Contact())).solid.contacts.friction is None
+    assert Simulation(incline(2, 30.0, wall=0.1, contact=Contact())).solid.contacts.friction is not None
 
 
 def grazing(dimension: int, friction: float, **scene: object) -> Scene:

@@ -57,7 +57,7 @@ def test_reactions_balance_the_loads(dimension: int, plane: str, law: str) -> No
     scale = np.abs(applied).sum()
     np.testing.assert_allclose(forces.sum(axis=0), 0.0, atol=1e-7 * scale)
     np.testing.assert_allclose(cross(simulation.positions, forces).sum(axis=0), 0.0, atol=1e-7 * scale * 0.1)
-    held = simulation.solid.outside.held
+    held = simulation.solid.boundary.held
     assert (simulation.displacements[held] == 0.0).all()
     np.testing.assert_allclose((simulation.internal_forces + applied)[~held], 0.0, atol=1e-7 * scale)
 
@@ -195,7 +195,7 @@ def test_a_column_that_buckles(law: str) -> None:
     grips = Support(name="left", region=left), Support(name="right", region=right, motion=motion)
     simulation = found(Scene(bodies=(body,), supports=grips, duration=1.0, analysis="static"))
     assert np.abs(simulation.displacements[:, 1]).max() > 0.03
-    held = simulation.solid.outside.held
+    held = simulation.solid.boundary.held
     forces = simulation.internal_forces
     assert np.abs(forces[~held]).max() < 1e-6 * np.abs(forces[held]).max()
     # straight, it would resist with E/(1 - nu^2) times its strain
@@ -232,7 +232,7 @@ def test_the_end_does_not_depend_on_where_the_search_begins() -> None:
     """From a state that is far from equilibrium, in which the tangent is not positive."""
     simulation = Simulation(cantilever())
     solid = simulation.solid
-    held = solid.outside.held
+    held = solid.boundary.held
     crumpled = np.where(held, 0.0, 0.006 * random(*held.shape, seed=3))
     solid.state.u.assign(crumpled)
     simulation.advance(1)

@@ -174,7 +174,7 @@ def test_loads_and_moving_supports_do_work(theta: float) -> None:
         energy = simulation.energy
         assert abs(energy.work) > 0.05
         assert energy.balance - start.balance == pytest.approx(0.0, abs=1e-5 * energy.exchanged)
-        held = simulation.solid.outside.held
+        held = simulation.solid.boundary.held
         short = Simulation(replace(scene, integrator="explicit", time_step=2e-6))
         short.advance(8000)
         np.testing.assert_allclose(simulation.displacements[held], short.displacements[held], atol=1e-12)

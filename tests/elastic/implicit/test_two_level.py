@@ -18,7 +18,7 @@ from warp_mps.core.types import PRECISIONS, numeric_types
 from warp_mps.elastic.implicit.coarse_matrix import positive_inverse
 from warp_mps.elastic.implicit.tangent_operator import Tangent
 from warp_mps.elastic.implicit.theta_rule import ImplicitSolid
-from warp_mps.elastic.implicit.two_level import TwoLevel
+from warp_mps.elastic.implicit.two_level import TwoLevelPreconditioner
 from warp_mps.run.simulation import Simulation
 from warp_mps.scene import Load, Scene, Support
 from warp_mps.shapes import Box
@@ -31,7 +31,7 @@ class System:
     held: Strained
     fixed: np.ndarray
     tangent: Tangent
-    two_level: TwoLevel
+    two_level: TwoLevelPreconditioner
 
     def solve(self, *, coarse: bool, tolerance: float = 1e-4) -> Statistics:
         """Solve for a random force."""
@@ -75,9 +75,9 @@ def system(
     factor = wp.array([inertia], dtype=wp.float64, device="cpu")
     made = Tangent(held.model, mass, clamped, factor, types=numbers, device="cpu")
     options: dict[str, Any] = {"types": numbers, "device": "cpu", "parallel": parallel}
-    two_level = TwoLevel(made, held.model, particles, held.state, clamped, factor, **options)
+    two_level = TwoLevelPreconditioner(made, held.model, particles, held.state, clamped, factor, **options)
     made.prepare(made.operator, mass)
-    two_level.renew()
+    two_level.rebuild()
     return System(held, clamped, made, two_level)
 
 
@@ -243,7 +243,7 @@ def test_a_run_that_renewed_it_goes_on_to_the_same_bits() -> None:
     assert isinstance(solid, ImplicitSolid)
     for _ in range(16):
         simulation.advance(1)
-        renewals.append(solid.newton.preconditioner.renewal.renewals)
+        renewals.append(solid.newton.preconditioner.reuse.rebuilds)
     assert renewals[7] >= 1
     assert renewals[-1] > renewals[7]
     assert_restored_goes_on(swinging(), 8, 8)

@@ -113,7 +113,7 @@ def check_mode(
     strength = {"float64": 1e-6, "float32": 1e-3}[precision] * particles.spacings[0] / np.abs(shape[:, :d]).max()
     simulation = Simulation(scene, precision=precision)
     simulation.solid.state.v.assign(strength * omegas[mode] * shape[:, :d])
-    simulation.solid.model.spins.omega.assign(strength * omegas[mode] * shape[:, d:])
+    simulation.solid.model.rotation.omega.assign(strength * omegas[mode] * shape[:, d:])
     every = round(1.25 * 2 * np.pi / omegas[mode] / simulation.dt / 40)
     times, swing = np.zeros(40), np.zeros(40)
     for k in range(40):

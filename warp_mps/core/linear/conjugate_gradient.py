@@ -60,8 +60,8 @@ class Operator(NamedTuple):
         rows: Number of rows in use, int32, shape [1].
         diagonal: The diagonal, or what the preconditioner is to take for it, shape [capacity].
         active: 0 in rows that are no unknowns, int32, shape [capacity].
-        multiply: Launches q = A x if `control[FRESH]` is not 0, else q = A p, from (control, x, p, q); only the rows of
-            the unknowns count.
+        multiply: Launches q = A x in a restart pass (`control[RESTART]` not 0), else q = A p, from (control, x, p, q);
+            only the rows of the unknowns count.
         singular: As of a `Matrix`.
     """
 
@@ -176,7 +176,7 @@ class ConjugateGradient:
             matrix: The matrix, symmetric among the unknowns.
             b: Right-hand side, float64, shape [capacity].
             x: First guess in, solution out, float64, shape [capacity].
-            rest: Launches the sum of q and of a symmetric matrix times x if `control[FRESH]` is not 0, else times p,
+            rest: Launches the sum of q and of a symmetric matrix times x if `control[RESTART]` is not 0, else times p,
                 from (control, x, p, q): what the rows do not hold but for its diagonal, which is in `matrix.diagonal`.
             same: Whether the matrix is that of the last solve, so that the preconditioner need not be made anew.
         """

@@ -18,7 +18,7 @@ METHOD = "solver"
 CHUNK = 128
 
 # The loop's integers: whether this pass is fresh, whether its step length was meaningless, and what was counted.
-FRESH, BROKEN, ITERATIONS, PASSES, CONTROLS = 0, 1, 2, 3, 4
+RESTART, BROKEN, ITERATIONS, PASSES, CONTROLS = 0, 1, 2, 3, 4
 
 # The loop's numbers: step length, direction's share of the last one, r.z, squares of the norm that the residual is
 # measured by, of the residual asked for, and of the last true residual.
@@ -105,7 +105,7 @@ def solver_kernels(types: NumericTypes) -> SimpleNamespace:
         i = wp.tid()
         if inverse[i] == zero:
             return
-        if control[FRESH] != 0:
+        if control[RESTART] != 0:
             q_out[i] = real64(diagonal[i]) * x[i] - off_diagonal(first[i], count[i], index, value, x)
         else:
             q_out[i] = real64(diagonal[i]) * p[i] - off_diagonal(first[i], count[i], index, value, p)
@@ -153,7 +153,7 @@ def solver_kernels(types: NumericTypes) -> SimpleNamespace:
             control_out[k] = 0
         for k in range(SCALARS):
             scalars_out[k] = zero
-        control_out[FRESH] = 1
+        control_out[RESTART] = 1
         reference = square[0][0]
         scalars_out[REFERENCE] = reference
         scalars_out[TARGET] = wp.max(tolerance * tolerance * reference, floor * floor)
@@ -195,7 +195,7 @@ def solver_kernels(types: NumericTypes) -> SimpleNamespace:
         if inverse[i] == zero:
             return
         r = zero
-        if control[FRESH] != 0:
+        if control[RESTART] != 0:
             r = rhs[i] - q[i]
         else:
             alpha = scalars[ALPHA]
@@ -220,14 +220,14 @@ def solver_kernels(types: NumericTypes) -> SimpleNamespace:
         """Whether to go on, and with a fresh pass or not, by r.z and r.r."""
         rz = products[0][0]
         rr = products[0][1]
-        if control_out[FRESH] == 0:
+        if control_out[RESTART] == 0:
             control_out[ITERATIONS] += 1
             scalars_out[BETA] = rz / wp.max(scalars_out[RZ], real64(1.0e-300))
             scalars_out[RZ] = rz
             exhausted = control_out[ITERATIONS] >= max_iterations
             # a comparison with a number that is none fails, and the fresh pass that follows says so
             if exhausted or control_out[BROKEN] != 0 or not (rr > scalars_out[TARGET]):
-                control_out[FRESH] = 1
+                control_out[RESTART] = 1
             return
 
         if control_out[PASSES] == 0 and scalars_out[REFERENCE] == zero:
@@ -259,7 +259,7 @@ def solver_kernels(types: NumericTypes) -> SimpleNamespace:
                 statistics_out[EXHAUSTED] += real64(1.0)
             if not done and not exhausted:
                 statistics_out[STAGNATED] += real64(1.0)
-        control_out[FRESH] = 0
+        control_out[RESTART] = 0
         control_out[PASSES] += 1
         scalars_out[LAST] = rr
         scalars_out[BETA] = zero

@@ -1,12 +1,12 @@
-"""Kernels of the multilevel preconditioner between cells: matrices, sweeps, and the way to the next level and back."""
+"""Kernels of the multigrid preconditioner between cells: matrices, sweeps, and the way to the next level and back."""
 
 import functools
 from types import SimpleNamespace
 
 import warp as wp
 
-from warp_mps.core.multigrid.grid import DAMPING, METHOD, cell_type, grid_functions
-from warp_mps.core.multigrid.tables import ABOVE, BELOW
+from warp_mps.core.multigrid.cell_numbering import DAMPING, METHOD, cell_type, grid_functions
+from warp_mps.core.multigrid.transfer_tables import ABOVE, BELOW
 from warp_mps.core.types import NumericTypes
 
 

@@ -1,11 +1,11 @@
-"""Kernels of the multilevel preconditioner between particles and the cells of its first level."""
+"""Kernels of the multigrid preconditioner between particles and the cells of its first level."""
 
 import functools
 from types import SimpleNamespace
 
 import warp as wp
 
-from warp_mps.core.multigrid.grid import DAMPING, METHOD, cell_type, corner_type, grid_functions
+from warp_mps.core.multigrid.cell_numbering import DAMPING, METHOD, cell_type, corner_type, grid_functions
 from warp_mps.core.types import NumericTypes
 
 # Excess of the diagonal, relative to it, that is taken for none: what rounding leaves of a matrix of each precision.

@@ -1,4 +1,4 @@
-"""A multilevel preconditioner for pressure Poisson equations, whose iterations hardly grow with the number of unknowns.
+"""A multigrid preconditioner for pressure Poisson equations, whose iterations hardly grow with the number of unknowns.
 
 The unknowns are gathered into square cells as wide as the effective radius, and these into cells twice as wide, down to
 one or two. Within the radius a sum over neighbours couples everything with everything, so that the diagonal alone is a
@@ -15,7 +15,7 @@ The matrix of the cells is the sum of the entries between their unknowns, as if 
 couplings scaled down for what that makes them too stiff (overcorrection, as in Braess, Computing 55 (1995) 379):
 constants keep it local, a nearest-neighbour matrix on each level, while the linear P keeps the number of iterations.
 That is the way of cell-centred multigrid (Wesseling, SIAM J. Sci. Stat. Comput. 9 (1988) 451). M is symmetric and
-positive whatever the matrix is. Along an axis that repeats itself the cells of every level do so, too.
+positive whatever the matrix is. TransferTable an axis that repeats itself the cells of every level do so, too.
 """
 
 from __future__ import annotations
@@ -28,9 +28,9 @@ import warp as wp
 
 from warp_mps.core.linear.conjugate_gradient import Matrix
 from warp_mps.core.multigrid.cell_kernels import cell_kernels
-from warp_mps.core.multigrid.grid import METHOD, cell_type, corner_type
+from warp_mps.core.multigrid.cell_numbering import METHOD, cell_type, corner_type
 from warp_mps.core.multigrid.particle_kernels import WALK, particle_kernels
-from warp_mps.core.multigrid.tables import Along, halved, interpolation, surroundings, transpose
+from warp_mps.core.multigrid.transfer_tables import TransferTable, halved, interpolation, surroundings, transpose
 from warp_mps.core.types import NumericTypes
 
 # Stiffness of a linear field over that of its piecewise constant image in cells as wide as the effective radius:
@@ -59,7 +59,7 @@ class Level:
         coarse = [int(length) for length in halved(dims)]
         above = [interpolation(int(n), half, wrap) for n, half, wrap in zip(dims, coarse, wraps, strict=True)]
         below = [transpose(*table, half, wrap) for table, half, wrap in zip(above, coarse, wraps, strict=True)]
-        self.above, self.below = (Along(tables, ivec=ivec, device=device) for tables in (above, below))
+        self.above, self.below = (TransferTable(tables, ivec=ivec, device=device) for tables in (above, below))
         vectors = [wp.zeros(self.size, dtype=wp.float64, device=device) for _ in range(5)]
         self.excess, self.diagonal, self.r, self.e, self.spare = vectors
 
@@ -74,7 +74,7 @@ class Level:
         return [self.there, self.coupling, self.diagonal]
 
 
-class Multilevel:
+class MultigridPreconditioner:
     """Preconditioner of `warp_mps.core.linear.conjugate_gradient.ConjugateGradient` for unknowns that are particles.
 
     Args:

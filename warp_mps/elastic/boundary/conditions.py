@@ -7,7 +7,7 @@ import numpy as np
 import warp as wp
 
 from warp_mps.core.types import NumericTypes
-from warp_mps.elastic.boundary.kernels import load_kernels
+from warp_mps.elastic.boundary.boundary_kernels import boundary_kernels
 from warp_mps.elastic.state import ElasticState
 from warp_mps.errors import InputError
 from warp_mps.particles.particles import Particles
@@ -34,7 +34,7 @@ class _Action:
     work: wp.array
 
 
-class Outside:
+class BoundaryConditions:
     """Everything that acts on the elastic bodies from outside, gravity apart.
 
     Attributes:
@@ -43,8 +43,8 @@ class Outside:
     """
 
     def __init__(self, scene: Scene, particles: Particles, *, dt: float, types: NumericTypes, device: Any) -> None:
-        self._kit, self._device, self._dt = types, device, dt
-        self._kernels = load_kernels(types)
+        self._types, self._device, self._dt = types, device, dt
+        self._kernels = boundary_kernels(types)
         self.steps = wp.zeros(1, dtype=wp.int32, device=device)
         # a time is a number of steps: one of that length
         self._once = wp.ones(1, dtype=wp.int32, device=device)
@@ -142,12 +142,14 @@ class Outside:
         driven[here] = True
         mask = np.zeros(particles.dimension)
         mask[axes] = 1.0
-        self._driven.append(self._action(found, [self._kit.vec(*mask), *self._motion(support.motion)], self._kit.vec))
+        self._driven.append(
+            self._action(found, [self._types.vec(*mask), *self._motion(support.motion)], self._types.vec)
+        )
 
     def _motion(self, motion: HarmonicMotion | TableMotion) -> list[Any]:
         """Arguments of the `drive` kernel: amplitude, frequency, phase, times, table and slopes."""
-        vec = self._kit.vec
-        empty = np.zeros((2, self._kit.dimension))
+        vec = self._types.vec
+        empty = np.zeros((2, self._types.dimension))
         if isinstance(motion, HarmonicMotion):
             numbers = [vec(*motion.amplitude), motion.frequency, motion.phase]
             times, rows, slopes = np.array([0.0, 1.0]), empty, empty[:0]
@@ -169,7 +171,7 @@ class Outside:
             acceleration += load.acceleration
         if load.force is not None:
             acceleration += np.asarray(load.force, float) / particles.masses[found].sum()
-        return self._action(found, [self._kit.vec(*acceleration), load.frequency, load.phase], self._kit.real)
+        return self._action(found, [self._types.vec(*acceleration), load.frequency, load.phase], self._types.real)
 
     def _action(self, found: np.ndarray, numbers: list[Any], kind: Any) -> _Action:
         return _Action(

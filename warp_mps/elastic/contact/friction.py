@@ -7,12 +7,12 @@ import warp as wp
 
 from warp_mps.core.types import NumericTypes
 from warp_mps.elastic.contact.friction_kernels import friction_kernels
-from warp_mps.elastic.contact.kernels import TOGETHER
+from warp_mps.elastic.contact.kernels import PARTICLES_PER_THREAD
 from warp_mps.elastic.contact.search_kernels import FACES
 from warp_mps.elastic.state import ElasticState
 
 
-class Rubbing:
+class Friction:
     """Friction between the particles of a contact.
 
     Args:
@@ -25,8 +25,8 @@ class Rubbing:
 
     def __init__(self, count: int, hold: np.ndarray, friction: np.ndarray, *, types: NumericTypes, device: Any) -> None:
         self._kernels, self._device = friction_kernels(types), device
-        self._together = TOGETHER["cpu" if wp.get_device(device).is_cpu else "cuda"]
-        self._threads = -(-count // self._together)
+        self._per_thread = PARTICLES_PER_THREAD["cpu" if wp.get_device(device).is_cpu else "cuda"]
+        self._threads = -(-count // self._per_thread)
         self._hold = wp.array(hold, dtype=types.real, device=device)
         self._friction = wp.array(friction, dtype=types.real, device=device)
 
@@ -40,7 +40,7 @@ class Rubbing:
         self._pull, self._mean = zeros((count, FACES), types.vec), zeros((count, FACES), types.real)
         self._u_before = zeros(count, types.vec)
 
-    def renew(self, state: ElasticState) -> None:
+    def initialize(self, state: ElasticState) -> None:
         """Begin at the present positions."""
         wp.copy(self._u_before, state.u)
 
@@ -54,10 +54,10 @@ class Rubbing:
     ) -> None:
         """Add the friction of a step to its contact forces, once a step: slips grow by the step's move."""
         moved = [state.u, self._u_before]
-        inputs = [self._together, *places, *stiffness, self._hold, self._friction, *candidates, *moved, push]
+        inputs = [self._per_thread, *places, *stiffness, self._hold, self._friction, *candidates, *moved, push]
         outputs = [self._gripped, self._slip, self._pull, self._mean, self._stored]
         wp.launch(self._kernels.grip, self._threads, inputs, outputs, device=self._device)
-        inputs = [self._together, *places, *candidates, state.u, self._pull, self._mean, self._stored]
+        inputs = [self._per_thread, *places, *candidates, state.u, self._pull, self._mean, self._stored]
         outputs = [self._u_before, self._stored_before, self._rubbed, state.contact, state.force, state.dissipated]
         wp.launch(self._kernels.rub, self._threads, inputs, outputs, device=self._device)
 

@@ -51,7 +51,7 @@ def friction_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def grip(
         # Model:
-        together: wp.int32,
+        per_thread: wp.int32,
         reference: wp.array(dtype=vec),
         spacing: wp.array(dtype=real),
         group: wp.array(dtype=wp.int32),
@@ -80,7 +80,7 @@ def friction_kernels(types: NumericTypes) -> SimpleNamespace:
 
         `gripped` is the group + 1 that a slip belongs to, 0 for none: it outlives the list of candidates.
         """
-        for i in range(wp.tid() * together, wp.min((wp.tid() + 1) * together, start.shape[0] - 1)):
+        for i in range(wp.tid() * per_thread, wp.min((wp.tid() + 1) * per_thread, start.shape[0] - 1)):
             stored = real(0.0)
             k = start[i]
             for s in range(faces[i]):
@@ -159,7 +159,7 @@ def friction_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def rub(
         # Model:
-        together: wp.int32,
+        per_thread: wp.int32,
         reference: wp.array(dtype=vec),
         spacing: wp.array(dtype=real),
         group: wp.array(dtype=wp.int32),
@@ -185,7 +185,7 @@ def friction_kernels(types: NumericTypes) -> SimpleNamespace:
 
         The work is the mean of the forces at the ends of a step's move times the move, as velocity Verlet does it.
         """
-        for i in range(wp.tid() * together, wp.min((wp.tid() + 1) * together, start.shape[0] - 1)):
+        for i in range(wp.tid() * per_thread, wp.min((wp.tid() + 1) * per_thread, start.shape[0] - 1)):
             total = vec()
             k = start[i]
             for s in range(faces[i]):

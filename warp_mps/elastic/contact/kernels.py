@@ -23,7 +23,7 @@ from warp_mps.elastic.contact.law import SUPPORT
 
 METHOD = "elastic"
 # particles that one thread of a device goes through: on a CPU most have no candidates, and a loop is faster than a call
-TOGETHER = {"cpu": 64, "cuda": 1}
+PARTICLES_PER_THREAD = {"cpu": 64, "cuda": 1}
 
 
 @functools.cache
@@ -61,7 +61,7 @@ def contact_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def crowding(
         # Model:
-        together: wp.int32,
+        per_thread: wp.int32,
         reference: wp.array(dtype=vec),
         spacing: wp.array(dtype=real),
         group: wp.array(dtype=wp.int32),
@@ -81,7 +81,7 @@ def contact_kernels(types: NumericTypes) -> SimpleNamespace:
         energy_out: wp.array(dtype=real),
     ):
         """g_iB w_iB of every group B that a particle faces, and the energy that its crowding stores."""
-        for i in range(wp.tid() * together, wp.min((wp.tid() + 1) * together, start.shape[0] - 1)):
+        for i in range(wp.tid() * per_thread, wp.min((wp.tid() + 1) * per_thread, start.shape[0] - 1)):
             k = start[i]
             total = real(0.0)
             for s in range(faces[i]):
@@ -104,7 +104,7 @@ def contact_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def force(
         # Model:
-        together: wp.int32,
+        per_thread: wp.int32,
         reference: wp.array(dtype=vec),
         spacing: wp.array(dtype=real),
         group: wp.array(dtype=wp.int32),
@@ -122,7 +122,7 @@ def contact_kernels(types: NumericTypes) -> SimpleNamespace:
         force_out: wp.array(dtype=vec),
     ):
         """Sum of the pair forces on a particle, also added to the other forces on it."""
-        for i in range(wp.tid() * together, wp.min((wp.tid() + 1) * together, start.shape[0] - 1)):
+        for i in range(wp.tid() * per_thread, wp.min((wp.tid() + 1) * per_thread, start.shape[0] - 1)):
             n = faces[i]
             total = vec()
             k = start[i]

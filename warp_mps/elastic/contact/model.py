@@ -10,8 +10,8 @@ import warp as wp
 from warp_mps.core.neighbours import make_grid
 from warp_mps.core.types import NumericTypes
 from warp_mps.core.weights import REACH_TOLERANCE
-from warp_mps.elastic.contact.friction import Rubbing
-from warp_mps.elastic.contact.kernels import TOGETHER, contact_kernels
+from warp_mps.elastic.contact.friction import Friction
+from warp_mps.elastic.contact.kernels import PARTICLES_PER_THREAD, contact_kernels
 from warp_mps.elastic.contact.law import APART, SUPPORT, capacity, law_constants
 from warp_mps.elastic.contact.search_kernels import CHUNK, FACES, search_kernels
 from warp_mps.elastic.state import ElasticState
@@ -34,14 +34,14 @@ class Contacts:
     """Contact between the particles of a scene.
 
     Attributes:
-        rubbing: Its friction, None without.
+        friction: Its friction, None without.
     """
 
     def __init__(self, scene: Scene, particles: Particles, *, types: NumericTypes, device: Any) -> None:
         self._search, self._kernels, self._device = search_kernels(types), contact_kernels(types), device
         n, spacings = particles.count, particles.spacings
-        self._together = TOGETHER["cpu" if wp.get_device(device).is_cpu else "cuda"]
-        self._threads = -(-n // self._together)
+        self._per_thread = PARTICLES_PER_THREAD["cpu" if wp.get_device(device).is_cpu else "cuda"]
+        self._threads = -(-n // self._per_thread)
         # of the smallest, or a coarse body would list more particles of a fine one than it has room for
         self._margin = SKIN * float(spacings.min())
         self._reach = SUPPORT * float(spacings.max()) + self._margin
@@ -79,15 +79,15 @@ class Contacts:
         self._grid = make_grid(extent, self._reach, types=types, device=device)
         self._grid.reserve(n)
         self._boxes = self._make_boxes(particles, groups, types)
-        self.rubbing = self._make_rubbing(scene, particles, groups, types)
+        self.friction = self._make_friction(scene, particles, groups, types)
 
-    def renew(self, state: ElasticState) -> None:
+    def initialize(self, state: ElasticState) -> None:
         """List the candidates at the present positions, whether or not the list is stale; forget an overflow before."""
         self._overflow.zero_()
         self._stale.fill_(1)
         self.locate(state)
-        if self.rubbing:
-            self.rubbing.renew(state)
+        if self.friction:
+            self.friction.initialize(state)
 
     def locate(self, state: ElasticState) -> None:
         """Renew the list of candidates if a particle has moved far enough since it was made."""
@@ -98,18 +98,20 @@ class Contacts:
     def launch_force(self, state: ElasticState) -> None:
         """Add the contact forces."""
         self._launch_crowding(state)
-        inputs = [self._together, *self._places(), *self._candidates(), state.u, self._push, self._energy]
+        inputs = [self._per_thread, *self._places(), *self._candidates(), state.u, self._push, self._energy]
         outputs = [state.contact, state.force]
         wp.launch(self._kernels.force, self._threads, inputs, outputs, device=self._device)
-        if self.rubbing:
-            self.rubbing.launch(state, self._places(), [self._stiffness, self._softest], self._candidates(), self._push)
+        if self.friction:
+            self.friction.launch(
+                state, self._places(), [self._stiffness, self._softest], self._candidates(), self._push
+            )
 
     def launch_energy(self, state: ElasticState, energy_out: wp.array) -> None:
         """Contact energy of every particle, with what friction has stored [J]."""
         self._launch_crowding(state)
         wp.copy(energy_out, self._energy)
-        if self.rubbing:
-            self.rubbing.add_energy(energy_out)
+        if self.friction:
+            self.friction.add_energy(energy_out)
 
     def overflowed(self) -> int | None:
         """A particle that has met more others than the list holds, if there was one."""
@@ -118,20 +120,20 @@ class Contacts:
 
     def evolving(self) -> list[wp.array]:
         """Device arrays of what evolves; the list of candidates holds wherever the particles are when it is used."""
-        return self.rubbing.evolving() if self.rubbing else []
+        return self.friction.evolving() if self.friction else []
 
     def arrays(self) -> dict[str, np.ndarray]:
         """Host copies of what evolves, by name; the list of candidates is made anew."""
-        return self.rubbing.arrays() if self.rubbing else {}
+        return self.friction.arrays() if self.friction else {}
 
     def assign(self, arrays: dict[str, np.ndarray]) -> None:
         """Take over arrays that `arrays` gave."""
-        if self.rubbing:
-            self.rubbing.assign(arrays)
+        if self.friction:
+            self.friction.assign(arrays)
 
     def _launch_crowding(self, state: ElasticState) -> None:
         laws = [self._stiffness, self._softest, self._weights, self._scales]
-        inputs = [self._together, *self._places(), *laws, *self._candidates(), state.u]
+        inputs = [self._per_thread, *self._places(), *laws, *self._candidates(), state.u]
         outputs = [self._push, self._energy]
         wp.launch(self._kernels.crowding, self._threads, inputs, outputs, device=self._device)
 
@@ -150,16 +152,16 @@ class Contacts:
         of_body = [groups[first] for first, _ in bodies]
         return [array(flat, wp.vec2i), array(firsts, wp.int32), lows, highs, array(of_body, wp.int32)]
 
-    def _make_rubbing(
+    def _make_friction(
         self, scene: Scene, particles: Particles, groups: np.ndarray, types: NumericTypes
-    ) -> Rubbing | None:
+    ) -> Friction | None:
         friction = _frictions(scene, particles, groups)
         if not friction.any():
             return None
         _, first = np.unique(groups, return_index=True)
         own = particles.spacings[first]
         hold = scene.contact.stiffness * own[:, None] ** (particles.dimension - 1) / (own[:, None] + own)
-        return Rubbing(particles.count, hold, friction, types=types, device=self._device)
+        return Friction(particles.count, hold, friction, types=types, device=self._device)
 
     def _places(self) -> list[wp.array]:
         return [self._reference, self._spacing, self._group]

@@ -9,7 +9,7 @@ from warp_mps.core.types import NumericTypes
 from warp_mps.elastic.state import ElasticState
 from warp_mps.particles.particles import Particles
 from warp_mps.scene import Scene
-from warp_mps.walls.kernels import rigid_kernels
+from warp_mps.walls.kernels import wall_kernels
 from warp_mps.walls.poses import Poses, moving_runs
 
 
@@ -21,7 +21,7 @@ class Walls:
     """
 
     def __init__(self, scene: Scene, particles: Particles, *, dt: float, types: NumericTypes, device: Any) -> None:
-        self._kernels, self._device, self._dt = rigid_kernels(types), device, dt
+        self._kernels, self._device, self._dt = wall_kernels(types), device, dt
         self._first, self._count = particles.elastic, particles.count - particles.elastic
         self._poses = Poses(scene, types=types, device=device)
         self._runs = moving_runs(scene, particles)
@@ -63,8 +63,8 @@ class Walls:
 
     def turns(self) -> tuple[np.ndarray, np.ndarray]:
         """Rotation vectors [rad] and angular velocities [rad/s] of the wall particles."""
-        rotations, spins = self._poses.turns()
-        return rotations[self._of_wall], spins[self._of_wall]
+        rotations, velocities = self._poses.turns()
+        return rotations[self._of_wall], velocities[self._of_wall]
 
     def evolving(self) -> list[wp.array]:
         """Device arrays of what evolves."""

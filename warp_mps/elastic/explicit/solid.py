@@ -11,8 +11,8 @@ import warp as wp
 from warp_mps.core.neighbours import METHOD as NEIGHBOURS
 from warp_mps.core.neighbours import neighbour_kernels
 from warp_mps.core.types import NumericTypes
-from warp_mps.elastic.boundary.conditions import Outside
-from warp_mps.elastic.boundary.kernels import METHOD, load_kernels
+from warp_mps.elastic.boundary.boundary_kernels import METHOD, boundary_kernels
+from warp_mps.elastic.boundary.conditions import BoundaryConditions
 from warp_mps.elastic.contact.friction_kernels import friction_kernels
 from warp_mps.elastic.contact.kernels import contact_kernels
 from warp_mps.elastic.contact.model import Contacts, needs_contact
@@ -26,15 +26,15 @@ from warp_mps.elastic.model_choice import make_model
 from warp_mps.elastic.output.energies import CHUNK, energy_kernels
 from warp_mps.elastic.output.stresses import StressFields, stress_kernels
 from warp_mps.elastic.springs.kernels import spring_kernels
-from warp_mps.elastic.springs.rotation_kernels import spin_kernels
+from warp_mps.elastic.springs.rotation_kernels import rotation_kernels
 from warp_mps.elastic.state import ElasticState, initial_state
 from warp_mps.particles.particles import Particles
 from warp_mps.results.energy import Energy
 from warp_mps.scene import Scene
 
 KERNELS = (
-    *(spring_kernels, spin_kernels, hamiltonian_kernels),
-    *(motion_kernels, load_kernels, search_kernels, contact_kernels, energy_kernels, stress_kernels),
+    *(spring_kernels, rotation_kernels, hamiltonian_kernels),
+    *(motion_kernels, boundary_kernels, search_kernels, contact_kernels, energy_kernels, stress_kernels),
     *(viscous_kernels, friction_kernels),
 )
 
@@ -100,16 +100,16 @@ class Solid:
         loaded: bool = False,
         retardation_time: float = 0.0,
     ) -> None:
-        self._kit, self._device, self._dt = types, device, dt
+        self._types, self._device, self._dt = types, device, dt
         self._n = particles.elastic
         self._motion, self._sums = motion_kernels(types), energy_kernels(types)
         self.state: ElasticState = initial_state(particles, types=types, device=device)
-        self.outside = Outside(scene, particles, dt=dt, types=types, device=device)
-        held_rotation = self.outside.held_rotation[: self._n]
+        self.boundary = BoundaryConditions(scene, particles, dt=dt, types=types, device=device)
+        held_rotation = self.boundary.held_rotation[: self._n]
         self.model = make_model(scene, particles.elastic_part(), held_rotation, types=types, device=device)
         self.viscosity = make_viscosity(scene, particles.elastic_part(), self.model, types=types, device=device)
         self.walls = Walls(scene, particles, dt=dt, types=types, device=device) if scene.walls else None
-        self._moving = self.outside.moving or bool(self.walls and self.walls.moving)
+        self._moving = self.boundary.moving or bool(self.walls and self.walls.moving)
         self.contacts = (
             Contacts(scene, particles, types=types, device=device) if needs_contact(scene, particles) else None
         )
@@ -118,7 +118,7 @@ class Solid:
         self._damping, self._particles = scene.damping, particles
         self._gravity = types.vec(*scene.gravity) if len(scene.gravity) else types.vec()
         self._mass = wp.array(self._masses, dtype=types.real, device=device)
-        inverse_mass = ~self.outside.held / particles.masses[:, None]
+        inverse_mass = ~self.boundary.held / particles.masses[:, None]
         inverse_mass[self._n :] = 0.0
         self._inverse_mass = wp.array(inverse_mass, dtype=types.vec, device=device)
         self._values = wp.zeros((4, particles.count), dtype=types.real, device=device)
@@ -135,7 +135,7 @@ class Solid:
         """Evaluate the forces of the initial state, which the first step begins with."""
         self._place()
         if self.contacts:
-            self.contacts.renew(self.state)
+            self.contacts.initialize(self.state)
         for _, launch in self.model.passes:
             launch(self.state, 0, self._n)
         if self.viscosity:
@@ -145,7 +145,7 @@ class Solid:
             wp.copy(self._retarded[0], self.state.force, count=self._n)
         if self.contacts:
             self._touch(self.contacts)
-        self.outside.push(self.state.force, self._mass)
+        self.boundary.push(self.state.force, self._mass)
         self._kick(0.0, 0, self._n)
         self._account(0.0)
 
@@ -166,10 +166,12 @@ class Solid:
 
     def _make_phases(self) -> list[Phase]:
         """The phases of a step, in order; what a scene does not have, it does not pay for."""
-        spins, state, contacts, viscosity = self.model.spins, self.state, self.contacts, self.viscosity
+        rotation, state, contacts, viscosity = self.model.rotation, self.state, self.contacts, self.viscosity
         phases = [Phase("drift", self._drift, splits=True)]
-        if spins:
-            phases.append(Phase("spin drift", functools.partial(spins.drift, self._dt), splits=True, follows=True))
+        if rotation:
+            phases.append(
+                Phase("rotation drift", functools.partial(rotation.drift, self._dt), splits=True, follows=True)
+            )
         if self._moving:
             phases.append(Phase("drive", lambda *_: self._drive()))
         if contacts:
@@ -188,13 +190,13 @@ class Solid:
             phases.append(Phase("retard", self._retard, splits=True, follows=True))
         if contacts:
             phases.append(Phase("contact", lambda *_: self._touch(contacts)))
-        if self.outside.moving:
-            phases.append(Phase("push", lambda *_: self.outside.push(state.force, self._mass)))
+        if self.boundary.moving:
+            phases.append(Phase("push", lambda *_: self.boundary.push(state.force, self._mass)))
         if self.external is not None:
             phases.append(Phase("external", lambda *_: self._add_external()))
         phases.append(Phase("kick", functools.partial(self._kick, self._dt), splits=True, follows=True))
-        if spins:
-            phases.append(Phase("spin kick", functools.partial(spins.kick, self._dt), splits=True, follows=True))
+        if rotation:
+            phases.append(Phase("rotation kick", functools.partial(rotation.kick, self._dt), splits=True, follows=True))
         damp = [Phase("damp", lambda *_: self._damp())] if self._damping else []
         phases = [*damp, *phases, *damp]
         if self._moving:
@@ -207,8 +209,8 @@ class Solid:
         state, values = self.state, self._values
         inputs = [self._gravity, self._mass, state.u, state.v]
         wp.launch(self._sums.particle_energies, self._n, inputs, [values[0], values[1]], device=self._device)
-        if self.model.spins:
-            self.model.spins.add_kinetic(values[0])
+        if self.model.rotation:
+            self.model.rotation.add_kinetic(values[0])
         self.model.launch_energy(state, values[2])
         if self.contacts:
             self.contacts.launch_energy(state, values[3])
@@ -227,7 +229,7 @@ class Solid:
 
     def work(self) -> float:
         """Work done from outside so far [J]."""
-        return self.outside.work() + (self.walls.work() if self.walls else 0.0)
+        return self.boundary.work() + (self.walls.work() if self.walls else 0.0)
 
     def displacements(self) -> np.ndarray:
         """Displacements u = x - X [m], shape [n, d]."""
@@ -261,21 +263,23 @@ class Solid:
     def reactions(self) -> np.ndarray:
         """Force that the supports exert on each particle: m a - f on the held axes [N], shape [n, d]."""
         inertial = self._masses[:, None] * self.state.driven.numpy()
-        return np.where(self.outside.held, inertial - self.state.force.numpy(), 0.0)
+        return np.where(self.boundary.held, inertial - self.state.force.numpy(), 0.0)
 
     def internal_forces(self) -> np.ndarray:
         """Elastic and contact forces: the total force less weight and loads [N], shape [n, d]."""
         weight = np.outer(self._masses, [float(g) for g in self._gravity])
         loads = wp.zeros_like(self.state.force)
-        self.outside.push(loads, self._mass)
+        self.boundary.push(loads, self._mass)
         if self.external is not None:
             wp.launch(self._motion.add, self._n, [self.external], [loads], device=self._device)
         return self.state.force.numpy().astype(float) - weight - loads.numpy()
 
     def elastic_torques(self) -> np.ndarray:
         """Elastic torques on the particles' own rotation [N m], shape [n, 1] in 2-D and [n, 3] in 3-D."""
-        spins = self.model.spins
-        torques = spins.torque.numpy().astype(float) if spins else np.zeros((self._n, 2 * self._kit.dimension - 3))
+        rotation = self.model.rotation
+        torques = (
+            rotation.torque.numpy().astype(float) if rotation else np.zeros((self._n, 2 * self._types.dimension - 3))
+        )
         return self._with_walls(torques)
 
     def stress_fields(self) -> StressFields:
@@ -296,42 +300,42 @@ class Solid:
 
     def angular_velocities(self) -> np.ndarray:
         """Angular velocities of the particles' own rotation [rad/s], shape [n, 1] in 2-D and [n, 3] in 3-D."""
-        spins = self.model.spins
-        omega = spins.omega.numpy().astype(float) if spins else np.zeros((self._n, 2 * self._kit.dimension - 3))
+        rotation = self.model.rotation
+        omega = rotation.omega.numpy().astype(float) if rotation else np.zeros((self._n, 2 * self._types.dimension - 3))
         return self._with_walls(omega, self.walls.turns()[1] if self.walls else None)
 
     def evolving(self) -> list[wp.array]:
         """Device arrays of everything that evolves: a step goes on from their contents."""
-        parts = (self.state, self.outside, self.model.spins, self.viscosity, self.walls, self.contacts)
+        parts = (self.state, self.boundary, self.model.rotation, self.viscosity, self.walls, self.contacts)
         return [*(array for part in parts if part for array in part.evolving()), *self._retarded]
 
     def arrays(self) -> dict[str, np.ndarray]:
         """Everything that evolves, for a checkpoint."""
-        spins = self.model.spins.arrays() if self.model.spins else {}
+        rotation = self.model.rotation.arrays() if self.model.rotation else {}
         viscous = self.viscosity.arrays() if self.viscosity else {}
         walls = self.walls.arrays() if self.walls else {}
         contact = self.contacts.arrays() if self.contacts else {}
         retarded = {"retarded": np.stack([array.numpy() for array in self._retarded])} if self._retardation else {}
-        return {**self.state.arrays(), **spins, **viscous, **self.outside.arrays(), **walls, **contact, **retarded}
+        return {**self.state.arrays(), **rotation, **viscous, **self.boundary.arrays(), **walls, **contact, **retarded}
 
     def assign(self, arrays: dict[str, np.ndarray]) -> None:
         """Continue from arrays that `arrays` gave."""
         self.state.assign(arrays)
-        self.outside.assign(arrays)
-        if self.model.spins:
-            self.model.spins.assign(arrays)
+        self.boundary.assign(arrays)
+        if self.model.rotation:
+            self.model.rotation.assign(arrays)
         if self.viscosity:
             self.viscosity.assign(arrays)
         if self._retardation:
             for array, values in zip(self._retarded, arrays["retarded"], strict=True):
                 array.assign(values)
         if self.walls:
-            self.walls.assign(arrays, self.outside.steps)
+            self.walls.assign(arrays, self.boundary.steps)
         # what a step makes anew, but a look at this moment needs already
         self.model.passes[0][1](self.state, 0, self._n)
         if self.contacts:
             self.contacts.assign(arrays)
-            self.contacts.renew(self.state)
+            self.contacts.initialize(self.state)
 
     def _with_walls(self, elastic: np.ndarray, walls: np.ndarray | None = None) -> np.ndarray:
         """Values of the elastic particles, followed by those of the walls, which are 0 if not given."""
@@ -346,14 +350,14 @@ class Solid:
         wp.launch(self._motion.drift, count, inputs, [self.state.u, self.state.v], device=self._device)
 
     def _drive(self) -> None:
-        wp.launch(self._motion.tick, 1, [self.outside.steps], device=self._device)
+        wp.launch(self._motion.tick, 1, [self.boundary.steps], device=self._device)
         self._place()
 
     def _place(self) -> None:
         """Place what moves as prescribed: supported particles and walls."""
-        self.outside.drive(self.state, self._mass)
+        self.boundary.drive(self.state, self._mass)
         if self.walls:
-            self.walls.drive(self.state, self.outside.steps)
+            self.walls.drive(self.state, self.boundary.steps)
 
     def _touch(self, contacts: Contacts) -> None:
         """Add the contact forces."""
@@ -363,7 +367,7 @@ class Solid:
 
     def _account(self, dt: float) -> None:
         """Add the work of a step from outside."""
-        self.outside.account(self.state, self._mass, dt)
+        self.boundary.account(self.state, self._mass, dt)
         if self.walls:
             self.walls.account(self.state)
 
@@ -384,10 +388,10 @@ class Solid:
         state = self.state
         inputs = [factor, self._mass, self._inverse_mass]
         wp.launch(self._motion.damp, self._n, inputs, [state.v, state.dissipated], device=self._device)
-        if self.model.spins:
-            self.model.spins.damp(factor, state.dissipated)
+        if self.model.rotation:
+            self.model.rotation.damp(factor, state.dissipated)
 
     def _hold_still(self, particles: Particles) -> None:
         """Held particles start at rest; moving supports set their own velocity."""
-        velocities = np.where(self.outside.held, 0.0, particles.velocities)
+        velocities = np.where(self.boundary.held, 0.0, particles.velocities)
         self.state.v.assign(velocities.astype(self.state.v.numpy().dtype))

@@ -10,7 +10,7 @@ from warp_mps.scene import Body, Material, Scene
 from warp_mps.scene.bonds import bonded_bodies
 
 # times the density of the lightest: with which a material counts in a time step at most
-JOINED = 2.5
+DENSITY_RATIO = 2.5
 # share of the stable step that is taken at most
 SAFETY = 0.9
 
@@ -18,13 +18,15 @@ SAFETY = 0.9
 def stable_time_step(body: Body, scene: Scene) -> float:
     """Largest time step that is stable for small deformations of a body, in what it is bonded to [s].
 
-    A material that is joined to a lighter one moves particles of that: it counts with at most `JOINED` times the
+    A material that is joined to a lighter one moves particles of that: it counts with at most `DENSITY_RATIO` times the
     smallest density among all that is joined. That held for every pattern of two materials that was tried; particles
     in a checkerboard of a stiff and a light material need it almost in full.
     """
     lightest = min(material.density for other in bonded_bodies(body, scene) for material in other.materials)
     return min(
-        _stable_time_step(replace(material, density=min(material.density, JOINED * lightest)), body.spacing, scene)
+        _stable_time_step(
+            replace(material, density=min(material.density, DENSITY_RATIO * lightest)), body.spacing, scene
+        )
         for material in body.materials
     )
 

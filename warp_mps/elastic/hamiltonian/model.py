@@ -26,7 +26,7 @@ class HamiltonianModel:
     """Hamiltonian MPS on a set of particles.
 
     Attributes:
-        spins: None: particles have no rotation of their own.
+        rotation: None: particles have no rotation of their own.
         start: First pair of each particle, shape [n + 1].
         index: Neighbour of each pair.
         bond: Reference vector X_ij of each pair [m], shape [pairs, d].
@@ -36,10 +36,10 @@ class HamiltonianModel:
         pull: B_i [N m], shape [n, d, d].
     """
 
-    spins = None
+    rotation = None
 
     def __init__(self, scene: Scene, particles: Particles, *, types: NumericTypes, device: Any) -> None:
-        self._kernels, self._kit, self._device = hamiltonian_kernels(types), types, device
+        self._kernels, self._types, self._device = hamiltonian_kernels(types), types, device
         n, d = particles.count, particles.dimension
         reach = scene.elasticity.effective_radius * particles.spacings
         self.start, self.index = reference_neighbours(particles.positions, particles.groups, reach, device=device)
@@ -83,19 +83,19 @@ class HamiltonianModel:
 
     def pressures(self) -> np.ndarray:
         """Pressure -tr(sigma)/d of the Cauchy stress sigma = P F^T / J in the scene's dimensions [Pa], shape [n]."""
-        d = self._kit.dimension
-        stresses = stress_fields(self.gradient, self.constants(), types=self._kit, device=self._device).stresses
+        d = self._types.dimension
+        stresses = stress_fields(self.gradient, self.constants(), types=self._types, device=self._device).stresses
         return -np.trace(stresses[:, :d, :d], axis1=1, axis2=2) / d
 
     def stress_fields(self, state: ElasticState) -> StressFields:
         """Stresses and strains at the last evaluation of the stresses."""
-        return stress_fields(self.gradient, self.constants(), types=self._kit, device=self._device)
+        return stress_fields(self.gradient, self.constants(), types=self._types, device=self._device)
 
     def energy_densities(self, state: ElasticState) -> np.ndarray:
         """Strain energy per reference volume, without that of the zero-energy modes' control [J/m^3], shape [n]."""
-        densities = wp.empty(len(self.gradient), dtype=self._kit.real, device=self._device)
+        densities = wp.empty(len(self.gradient), dtype=self._types.real, device=self._device)
         inputs = [*self.constants(), self.gradient]
-        wp.launch(stress_kernels(self._kit).density, len(densities), inputs, [densities], device=self._device)
+        wp.launch(stress_kernels(self._types).density, len(densities), inputs, [densities], device=self._device)
         return densities.numpy().astype(float)
 
     def rotations(self) -> np.ndarray:

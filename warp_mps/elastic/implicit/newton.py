@@ -23,7 +23,7 @@ from warp_mps.elastic.hamiltonian.model import HamiltonianModel
 from warp_mps.elastic.implicit import newton_kernels as names
 from warp_mps.elastic.implicit.newton_kernels import newton_kernels
 from warp_mps.elastic.implicit.tangent_operator import Tangent
-from warp_mps.elastic.implicit.two_level import TwoLevel
+from warp_mps.elastic.implicit.two_level import TwoLevelPreconditioner
 from warp_mps.elastic.state import ElasticState
 from warp_mps.particles.particles import Particles
 
@@ -115,7 +115,7 @@ class Newton:
         )
         self.inertia = wp.zeros(1, dtype=wp.float64, device=device)
         self.tangent = Tangent(model, mass, held, self.inertia, types=types, device=device)
-        self.preconditioner = TwoLevel(
+        self.preconditioner = TwoLevelPreconditioner(
             self.tangent, model, particles, state, held, self.inertia, types=types, device=device, graphs=graphs
         )
         self._free = wp.array(~held, dtype=types.vec, device=device)
@@ -251,11 +251,11 @@ class Newton:
         self._note(names.POTENTIAL, self._sums[1].launch(self._potential, self._ones, self._potential))
 
     def _find_direction(self) -> None:
-        renewal = self.preconditioner.renewal
-        if renewal.due:
-            self.preconditioner.renew()
+        reuse = self.preconditioner.reuse
+        if reuse.rebuild_due:
+            self.preconditioner.rebuild()
         self._run("direct", self._direct)
-        renewal.count(self.solver.read_statistics().last_iterations)
+        reuse.record_solve(self.solver.read_statistics().last_iterations)
 
     def _direct(self) -> None:
         """The change that the tangent at the present state asks for."""

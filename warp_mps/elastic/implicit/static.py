@@ -37,15 +37,15 @@ class StaticSolid(Solid):
         super().__init__(scene, particles, dt=1.0, types=types, device=device)
         assert isinstance(self.model, HamiltonianModel)
         state = self.state
-        held = self.outside.held
+        held = self.boundary.held
         self._kernels = step_kernels(types)
         self.newton = Newton(self.model, particles, state, self._mass, held, types=types, device=device, graphs=graphs)
         # no inertia makes the first equation easy
-        self.newton.preconditioner.renewal.demand()
+        self.newton.preconditioner.reuse.request_rebuild()
         self._free = wp.array(~held, dtype=types.vec, device=device)
         weights = np.outer(self._masses, scene.gravity) if len(scene.gravity) else np.zeros(held.shape)
         self._load = wp.array(weights, dtype=types.vec, device=device)
-        self.outside.push(self._load, self._mass, 0.0)
+        self.boundary.push(self._load, self._mass, 0.0)
         self._ends = wp.array(_ends(scene, particles), dtype=types.vec, device=device)
         self._factor = wp.zeros(1, dtype=wp.float64, device=device)
         self._part = wp.zeros(1, dtype=wp.float64, device=device)
@@ -88,7 +88,7 @@ class StaticSolid(Solid):
     def reactions(self) -> np.ndarray:
         """Force that the supports exert on each particle [N], shape [n, d]."""
         forces = self.state.force.numpy() + self.newton.applied.numpy()
-        return np.where(self.outside.held, -forces, 0.0)
+        return np.where(self.boundary.held, -forces, 0.0)
 
     def internal_forces(self) -> np.ndarray:
         """Elastic forces [N], shape [n, d]."""
@@ -118,7 +118,7 @@ class StaticSolid(Solid):
     def _not_found(self) -> str:
         """Why there may be no further equilibrium, and where it was missed by most."""
         causes = "a body is held too little to stay where it is, it buckles, or more load steps are needed"
-        if self._kit.precision == "float32":
+        if self._types.precision == "float32":
             # rounding of the large forces that cancel in it leaves more than the residual that is asked for
             causes += "; or it is too slender for single precision"
         worst = self._particles.describe(self.newton.worst_particle())
@@ -136,7 +136,7 @@ class StaticSolid(Solid):
         last = self._reached - self._earlier
         self._part.fill_((factor - self._reached) / last if last > 0.0 else 0.0)
         self._launch(self._kernels.predict, [self._part, self._free, self._u_earlier], [state.u])
-        if not newton.solve(jumps=self.outside.driven):
+        if not newton.solve(jumps=self.boundary.driven):
             wp.copy(state.u, self._before[0])
             wp.copy(newton.applied, self._before[2])
             self._elastic_forces()

@@ -15,6 +15,6 @@ def solver_record(newton: Newton) -> dict[str, float]:
         "worst_residual": done.worst_residual,
         "linear_iterations": linear.iterations,
         "most_linear_iterations": linear.most_iterations,
-        "coarse_renewals": newton.preconditioner.renewal.renewals,
+        "coarse_renewals": newton.preconditioner.reuse.rebuilds,
         "unsolved": newton.solver.count_unsolved(),
     }

@@ -22,7 +22,7 @@ from types import SimpleNamespace
 
 import warp as wp
 
-from warp_mps.core.linear.kernels import FRESH
+from warp_mps.core.linear.kernels import RESTART
 from warp_mps.core.types import NumericTypes
 from warp_mps.elastic.hamiltonian.pair_sums import pair_sums
 from warp_mps.elastic.materials.laws import law_funcs
@@ -55,7 +55,7 @@ def tangent_kernels(types: NumericTypes) -> SimpleNamespace:
     ):
         """What the solver's pass multiplies: the solution so far in a fresh pass, else the search direction."""
         i = wp.tid()
-        if control[FRESH] != 0:
+        if control[RESTART] != 0:
             direction_out[i] = vec(x[i])
         else:
             direction_out[i] = vec(p[i])

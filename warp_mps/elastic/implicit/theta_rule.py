@@ -69,7 +69,7 @@ class ImplicitSolid(Solid):
     ) -> None:
         super().__init__(scene, particles, dt=dt, types=types, device=device)
         assert isinstance(self.model, HamiltonianModel)
-        state, held, n = self.state, self.outside.held, self._n
+        state, held, n = self.state, self.boundary.held, self._n
         self._kernels, self._theta = step_kernels(types), scene.theta
         self._run = Replay(device=device, graphs=graphs)
         options: dict[str, Any] = {"types": types, "device": device, "graphs": graphs}
@@ -91,8 +91,8 @@ class ImplicitSolid(Solid):
     def start(self) -> None:
         """Evaluate the forces of the initial state, which the first step begins with."""
         state = self.state
-        self.outside.place(state.u, state.v, state.driven, self._mass, 0.0)
-        self.outside.push(self._load, self._mass, 0.0)
+        self.boundary.place(state.u, state.v, state.driven, self._mass, 0.0)
+        self.boundary.push(self._load, self._mass, 0.0)
         wp.copy(self._pace, state.v)
         self._complete()
 
@@ -110,11 +110,11 @@ class ImplicitSolid(Solid):
         self._length.fill_(time - self._time)
         for kept, now in ((self._end, state.u), (self._end_speed, state.v), (self._load_before, self._load)):
             wp.copy(kept, now)
-        self.outside.place(self._end, self._end_speed, state.driven, self._mass, time)
+        self.boundary.place(self._end, self._end_speed, state.driven, self._mass, time)
         self._load.zero_()
-        self.outside.push(self._load, self._mass, time)
+        self.boundary.push(self._load, self._mass, time)
         self._run("begin", self._begin)
-        if not self.newton.solve(jumps=self.outside.driven, measure=True, guess=self._foresee, tolerance=tolerance):
+        if not self.newton.solve(jumps=self.boundary.driven, measure=True, guess=self._foresee, tolerance=tolerance):
             wp.copy(state.u, self._u_before)
             wp.copy(self._load, self._load_before)
             self._complete()

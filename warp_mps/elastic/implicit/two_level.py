@@ -13,7 +13,7 @@ out: it saves less than it costs here.
 
 P^T A P is found from products with A: aggregates that nothing feels together move in the same product (Curtis, Powell
 & Reid, J. Inst. Math. Appl. 13 (1974) 117). Its dense inverse, a block for each body, is made on the host. It stays
-good while a body bends and dt changes, so that it is renewed only when it pays.
+good while a body bends and dt changes, so that it is rebuilt only when that pays.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from warp_mps.core.types import NumericTypes
 from warp_mps.elastic.hamiltonian.model import HamiltonianModel
 from warp_mps.elastic.implicit.aggregates import aggregate
 from warp_mps.elastic.implicit.coarse_matrix import CoarseMatrix
-from warp_mps.elastic.implicit.reuse import Renewal
+from warp_mps.elastic.implicit.reuse_policy import ReusePolicy
 from warp_mps.elastic.implicit.tangent_operator import Tangent
 from warp_mps.elastic.implicit.two_level_kernels import two_level_kernels
 from warp_mps.elastic.state import ElasticState
@@ -37,7 +37,7 @@ from warp_mps.particles.particles import Particles
 # added to the diagonal of a coarse matrix of unit diagonal: for bodies that nothing holds, and for the rounding of
 # products in the run's precision
 SHIFTS = {"float64": 1e-12, "float32": 1e-6}
-# what a renewal takes in iterations: what the host does in any case, one for each product, and for the inversion of m
+# cost of a rebuild in iterations: what the host does in any case, one for each product, and for the inversion of m
 # rows as many as m^3 / 20 over the pairs of particles
 HOST, INVERSION = 20.0, 0.05
 # on a GPU an iteration takes as long as on a core of a CPU one of so many pairs, or of one in so many of its own
@@ -47,12 +47,12 @@ LAUNCHES, CORES = 3e4, 50.0
 PARTICLES, SHARES = 32, 16
 
 
-class TwoLevel:
+class TwoLevelPreconditioner:
     """Preconditioner of `warp_mps.core.linear.conjugate_gradient.ConjugateGradient` for a `Tangent`.
 
     Attributes:
         aggregates: The groups of particles.
-        renewal: When the coarse level is renewed. It is not made before the iterations without it are worth it.
+        reuse: When the coarse level is rebuilt. The first solves run without it, until it pays.
 
     Args:
         tangent: The operator, whose blocks are the fine level.
@@ -95,7 +95,7 @@ class TwoLevel:
         self._parallel = wp.get_device(device).is_cuda if parallel is None else parallel
         pairs = max(LAUNCHES, len(index) / CORES) if self._parallel else len(index)
         inversion = float(np.sum(matrix.sizes.astype(float) ** 3)) / pairs
-        self.renewal = Renewal(HOST + self._colours * self._modes + INVERSION * inversion)
+        self.reuse = ReusePolicy(HOST + self._colours * self._modes + INVERSION * inversion)
 
         def integers(values: np.ndarray) -> wp.array:
             return wp.array(values, dtype=wp.int32, device=device)
@@ -139,22 +139,22 @@ class TwoLevel:
         inputs = [self._on, self._of, self._free, self._arm, self._motions(self._response)]
         self._launch(kernels.prolong, self._n, inputs, [vectors(z)])
 
-    def renew(self) -> None:
-        """Make the coarse level of the present state, at which the model's stresses must be; waits for the device."""
+    def rebuild(self) -> None:
+        """Compute the coarse level at the present state, whose stresses the model must hold; waits for the device."""
         wp.copy(self._made_of, self._state.u)
         wp.copy(self._made_at, self._inertia)
         self._make()
-        self.renewal.renew()
+        self.reuse.record_rebuild()
 
     def arrays(self) -> dict[str, np.ndarray]:
         """What it goes on with, for a checkpoint."""
-        numbers = [*self.renewal.numbers(), self._on.numpy()[0], self._made_at.numpy()[0]]
+        numbers = [*self.reuse.state(), self._on.numpy()[0], self._made_at.numpy()[0]]
         return {"coarse": np.array(numbers), "coarse_u": self._made_of.numpy().copy()}
 
     def assign(self, arrays: dict[str, np.ndarray]) -> None:
         """Continue from arrays that `arrays` gave; the model's stresses are those of the present state afterwards."""
-        *renewal, on, at = arrays["coarse"]
-        self.renewal.assign(np.array(renewal))
+        *policy, on, at = arrays["coarse"]
+        self.reuse.assign(np.array(policy))
         self._made_of.assign(arrays["coarse_u"])
         self._made_at.fill_(at)
         self._on.fill_(int(on))

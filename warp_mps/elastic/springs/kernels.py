@@ -29,7 +29,7 @@ METHOD = "elastic"
 @functools.cache
 def spring_funcs(types: NumericTypes) -> SimpleNamespace:
     """Device functions of one pair: each a formula, without indices."""
-    real, vec, spin, rotor = types.real, types.vec, types.spin, types.rotor
+    real, vec, axial, rotor = types.real, types.vec, types.axial, types.rotor
     turns = rotation_funcs(types, METHOD)
     turn, cross = turns.turn, turns.cross
 
@@ -51,7 +51,7 @@ def spring_funcs(types: NumericTypes) -> SimpleNamespace:
         return k * (du - turned) + pressure * (direction - across)
 
     @types.func(METHOD)
-    def pair_torque(m: rotor, bond: vec, du: vec, k: real, pressure: real) -> spin:
+    def pair_torque(m: rotor, bond: vec, du: vec, k: real, pressure: real) -> axial:
         """Torque on the mean rotation of the pair (eq. 4): minus the energy's change as R(theta_ij) X_ij turns."""
         x = bond + du
         turned = turn(m, bond)
@@ -66,7 +66,7 @@ def spring_kernels(types: NumericTypes) -> SimpleNamespace:
 
     `first` shifts the particle index, so that several threads can share the particles.
     """
-    real, vec, spin, rotor = types.real, types.vec, types.spin, types.rotor
+    real, vec, axial, rotor = types.real, types.vec, types.axial, types.rotor
     turns, pair = rotation_funcs(types, METHOD), spring_funcs(types)
     mean_rotor, torque_share, turn = turns.mean_rotor, turns.torque_share, turns.turn
     stretch, pair_force, pair_torque = pair.stretch, pair.pair_force, pair.pair_torque
@@ -165,14 +165,14 @@ def spring_kernels(types: NumericTypes) -> SimpleNamespace:
         pressures: wp.array(dtype=real),
         # State out:
         force_out: wp.array(dtype=vec),
-        torque_out: wp.array(dtype=spin),
+        torque_out: wp.array(dtype=axial),
     ):
         i = first + wp.tid()
         u_i = u[i]
         q_i = q[i]
         p_i = pressures[i]
         total = vec()
-        torque = spin()
+        torque = axial()
         for k in range(start[i], start[i + 1]):
             j = index[k]
             m = mean_rotor(q_i, q[j])

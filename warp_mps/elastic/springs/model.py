@@ -13,7 +13,7 @@ from warp_mps.elastic.materials.constants import lame_constants
 from warp_mps.elastic.model import Pass
 from warp_mps.elastic.output.stresses import StressFields, stress_fields, stress_kernels
 from warp_mps.elastic.springs.kernels import spring_kernels
-from warp_mps.elastic.springs.rotation import Spins
+from warp_mps.elastic.springs.rotation import ParticleRotation
 from warp_mps.elastic.state import ElasticState
 from warp_mps.particles.particles import Particles
 from warp_mps.scene import Scene
@@ -29,7 +29,7 @@ class SpringModel:
         area: d w_ij / |X_ij| of each pair, without 1/n [1/m].
         stiffness: Spring stiffness k_ij of each pair [N/m].
         bulk: V0 lambda / n^2 of each particle [N m].
-        spins: Rotation of the particles.
+        rotation: Rotation of the particles.
         pressure: V0 lambda (div u)_i / n_i of each particle [N m], shape [n].
         number_density: What the operators of each particle are normalized by, n0 or n_i [-], shape [n].
     """
@@ -38,8 +38,8 @@ class SpringModel:
         self, scene: Scene, particles: Particles, held: np.ndarray, *, types: NumericTypes, device: Any
     ) -> None:
         self.kernels = spring_kernels(types)
-        self._kit, self.device = types, device
-        self.spins = Spins(particles, held, types=types, device=device)
+        self._types, self.device = types, device
+        self.rotation = ParticleRotation(particles, held, types=types, device=device)
         self.pressure = wp.zeros(particles.count, dtype=types.real, device=device)
         d, n, radius = particles.dimension, particles.count, scene.elasticity.effective_radius
         reach = radius * particles.spacings
@@ -76,7 +76,7 @@ class SpringModel:
 
     def launch_energy(self, state: ElasticState, energy_out: wp.array) -> None:
         """Elastic energy of every particle [J]."""
-        inputs = [self.start, self.index, self.bond, self.area, self.stiffness, self.bulk, state.u, self.spins.q]
+        inputs = [self.start, self.index, self.bond, self.area, self.stiffness, self.bulk, state.u, self.rotation.q]
         wp.launch(self.kernels.energy, len(self.bulk), inputs, [energy_out], device=self.device)
 
     def pressures(self) -> np.ndarray:
@@ -85,29 +85,29 @@ class SpringModel:
 
     def stress_fields(self, state: ElasticState) -> StressFields:
         """Stresses and strains of the deformation that fits the neighbours best."""
-        gradients = wp.empty(len(self.bulk), dtype=self._kit.mat, device=self.device)
-        inputs = [self.start, self.index, self.bond, self.area, state.u, self.spins.q]
-        wp.launch(stress_kernels(self._kit).fit, len(gradients), inputs, [gradients], device=self.device)
+        gradients = wp.empty(len(self.bulk), dtype=self._types.mat, device=self.device)
+        inputs = [self.start, self.index, self.bond, self.area, state.u, self.rotation.q]
+        wp.launch(stress_kernels(self._types).fit, len(gradients), inputs, [gradients], device=self.device)
         laws = wp.zeros(len(gradients), dtype=wp.int32, device=self.device)
-        constants = [wp.array(values, dtype=self._kit.real, device=self.device) for values in self._lame.T]
+        constants = [wp.array(values, dtype=self._types.real, device=self.device) for values in self._lame.T]
         constants = [laws, *constants, self._plane_stress]
-        return stress_fields(gradients, constants, types=self._kit, device=self.device)
+        return stress_fields(gradients, constants, types=self._types, device=self.device)
 
     def energy_densities(self, state: ElasticState) -> np.ndarray:
         """Energy of the springs and of the volume change per reference volume [J/m^3], shape [n]."""
-        energies = wp.empty(len(self.bulk), dtype=self._kit.real, device=self.device)
+        energies = wp.empty(len(self.bulk), dtype=self._types.real, device=self.device)
         self.launch_energy(state, energies)
         return energies.numpy().astype(float) / self.volume
 
     def rotations(self) -> np.ndarray:
         """Rotation vectors [rad], shape [n, 1] in 2-D and [n, 3] in 3-D."""
-        return rotation_vectors(self.spins.q.numpy().astype(float))
+        return rotation_vectors(self.rotation.q.numpy().astype(float))
 
     def _launch_pressure(self, state: ElasticState, first: int, count: int) -> None:
-        inputs = [first, self.start, self.index, self.bond, self.area, self.bulk, state.u, self.spins.q]
+        inputs = [first, self.start, self.index, self.bond, self.area, self.bulk, state.u, self.rotation.q]
         wp.launch(self.kernels.pressure, count, inputs, [self.pressure], device=self.device)
 
     def _launch_force(self, state: ElasticState, first: int, count: int) -> None:
         constants = [first, self.start, self.index, self.bond, self.area, self.stiffness]
-        inputs = [*constants, state.u, self.spins.q, self.pressure]
-        wp.launch(self.kernels.force, count, inputs, [state.force, self.spins.torque], device=self.device)
+        inputs = [*constants, state.u, self.rotation.q, self.pressure]
+        wp.launch(self.kernels.force, count, inputs, [state.force, self.rotation.torque], device=self.device)

@@ -7,29 +7,29 @@ import warp as wp
 
 from warp_mps.core.rotation import identity_rotors
 from warp_mps.core.types import NumericTypes
-from warp_mps.elastic.springs.rotation_kernels import spin_kernels
+from warp_mps.elastic.springs.rotation_kernels import rotation_kernels
 from warp_mps.particles.particles import Particles
 
 EVOLVING = ("q", "omega", "torque")
 
 
-class Spins:
+class ParticleRotation:
     """Rotation of the particles on a device.
 
     Attributes:
         q: Rotation, see `warp_mps.core.rotation`, rotor [n].
-        omega: Angular velocity [rad/s], spin [n].
-        torque: Torque [N m], spin [n].
+        omega: Angular velocity [rad/s], axial [n].
+        torque: Torque [N m], axial [n].
     """
 
     def __init__(self, particles: Particles, held: np.ndarray, *, types: NumericTypes, device: Any) -> None:
-        self._kernels, self._device, self._n = spin_kernels(types), device, particles.count
+        self._kernels, self._device, self._n = rotation_kernels(types), device, particles.count
         # a square or cube of side l0
         inertia = particles.masses * particles.spacings**2 / 6.0
         omega = np.where(held[:, None], 0.0, particles.angular_velocities)
         self.q = wp.array(identity_rotors(self._n, types.dimension), dtype=types.rotor, device=device)
-        self.omega = wp.array(omega, dtype=types.spin, device=device)
-        self.torque = wp.zeros(self._n, dtype=types.spin, device=device)
+        self.omega = wp.array(omega, dtype=types.axial, device=device)
+        self.torque = wp.zeros(self._n, dtype=types.axial, device=device)
         self._inertia = wp.array(inertia, dtype=types.real, device=device)
         self._inverse_inertia = wp.array(np.where(held, 0.0, 1.0 / inertia), dtype=types.real, device=device)
 

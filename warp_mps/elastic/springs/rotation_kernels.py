@@ -12,9 +12,9 @@ METHOD = "elastic"
 
 
 @functools.cache
-def spin_kernels(types: NumericTypes) -> SimpleNamespace:
+def rotation_kernels(types: NumericTypes) -> SimpleNamespace:
     """Kernels `drift`, `kick`, `damp` and `add_kinetic` of the rotation."""
-    real, spin, rotor = types.real, types.spin, types.rotor
+    real, axial, rotor = types.real, types.axial, types.rotor
     advance = rotation_funcs(types, METHOD).advance
 
     @types.kernel(METHOD)
@@ -23,10 +23,10 @@ def spin_kernels(types: NumericTypes) -> SimpleNamespace:
         first: wp.int32,
         dt: real,
         inverse_inertia: wp.array(dtype=real),
-        torque: wp.array(dtype=spin),
+        torque: wp.array(dtype=axial),
         # State in and out:
         q: wp.array(dtype=rotor),
-        omega: wp.array(dtype=spin),
+        omega: wp.array(dtype=axial),
     ):
         i = first + wp.tid()
         omega_i = omega[i] + (real(0.5) * dt * inverse_inertia[i]) * torque[i]
@@ -39,9 +39,9 @@ def spin_kernels(types: NumericTypes) -> SimpleNamespace:
         first: wp.int32,
         dt: real,
         inverse_inertia: wp.array(dtype=real),
-        torque: wp.array(dtype=spin),
+        torque: wp.array(dtype=axial),
         # State in and out:
-        omega: wp.array(dtype=spin),
+        omega: wp.array(dtype=axial),
     ):
         i = first + wp.tid()
         omega[i] = omega[i] + (real(0.5) * dt * inverse_inertia[i]) * torque[i]
@@ -53,7 +53,7 @@ def spin_kernels(types: NumericTypes) -> SimpleNamespace:
         inertia: wp.array(dtype=real),
         inverse_inertia: wp.array(dtype=real),
         # State in and out:
-        omega: wp.array(dtype=spin),
+        omega: wp.array(dtype=axial),
         dissipated: wp.array(dtype=wp.float64),
     ):
         """Mass-proportional damping over half a step, as for the velocity."""
@@ -70,7 +70,7 @@ def spin_kernels(types: NumericTypes) -> SimpleNamespace:
         # Model:
         inertia: wp.array(dtype=real),
         # State in:
-        omega: wp.array(dtype=spin),
+        omega: wp.array(dtype=axial),
         # Out:
         kinetic_out: wp.array(dtype=real),
     ):

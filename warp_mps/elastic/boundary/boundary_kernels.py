@@ -12,7 +12,7 @@ METHOD = "elastic"
 
 
 @functools.cache
-def load_kernels(types: NumericTypes) -> SimpleNamespace:
+def boundary_kernels(types: NumericTypes) -> SimpleNamespace:
     """Kernels `drive`, `drive_work`, `push` and `push_work`."""
     real, vec = types.real, types.vec
     cubic_value, cubic_rate, cubic_second = cubic_funcs(real, vec, types.module(METHOD))

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from warp_mps.core.threads import Team, shares
+from warp_mps.core.thread_team import ThreadTeam, split_particles
 
 
 @pytest.fixture
@@ -34,7 +34,7 @@ def threads() -> Iterator[list[threading.Thread]]:
 
 @pytest.mark.parametrize(("count", "threads"), [(10, 1), (10, 3), (2, 4), (1000, 7)])
 def test_shares_cover_every_particle_once(count: int, threads: int) -> None:
-    parts = shares(count, threads)
+    parts = split_particles(count, threads)
     assert len(parts) == threads
     assert [i for first, size in parts for i in range(first, first + size)] == list(range(count))
     assert max(size for _, size in parts) - min(size for _, size in parts) <= 1
@@ -45,7 +45,7 @@ def test_no_thread_enters_a_section_before_the_others_have_left_the_last() -> No
     done: list[int] = []
     sections = [[lambda s=s: done.append(s)] * 3 for s in range(4)]
     sections[2] = [sections[2][0], None, None]
-    team = Team(sections, 3)
+    team = ThreadTeam(sections, 3)
     for repetitions in (50, 0, 1):
         done.clear()
         team.run(repetitions)
@@ -53,7 +53,7 @@ def test_no_thread_enters_a_section_before_the_others_have_left_the_last() -> No
 
 
 def test_threads_end_with_the_team(threads: list[threading.Thread]) -> None:
-    ran, idle = (Team([[lambda: None] * 4], 4) for _ in range(2))
+    ran, idle = (ThreadTeam([[lambda: None] * 4], 4) for _ in range(2))
     ran.run(3)
     assert len(threads) == 6
     assert all(thread.is_alive() for thread in threads)
@@ -61,7 +61,7 @@ def test_threads_end_with_the_team(threads: list[threading.Thread]) -> None:
 
 
 def test_a_closed_team_has_no_threads_and_does_not_run(threads: list[threading.Thread]) -> None:
-    team = Team([[lambda: None] * 3], 3)
+    team = ThreadTeam([[lambda: None] * 3], 3)
     team.run(1)
     assert not team.closed
     for _ in range(2):
@@ -85,7 +85,7 @@ def test_an_error_in_any_thread_is_raised_and_ends_them_all(
         if number == failing and done[number] == 2:
             raise error("enough")
 
-    team = Team([[lambda n=n: task(n) for n in range(3)], [lambda: None] * 3], 3)
+    team = ThreadTeam([[lambda n=n: task(n) for n in range(3)], [lambda: None] * 3], 3)
     with pytest.raises(error, match="enough"):
         team.run(3)
     reached = list(done)

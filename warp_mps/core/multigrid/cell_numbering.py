@@ -1,4 +1,4 @@
-"""Numbering of the cells of the multilevel preconditioner, as Warp functions.
+"""Numbering of the cells of the multigrid preconditioner, as Warp functions.
 
 A level is a grid of cells. Its matrix has an entry for each of the 3^d cells around a cell, `coupling`, in the order of
 their offsets (that of the cell itself is 0); and an `excess` of the diagonal over the sum of the couplings. In cells
@@ -12,7 +12,7 @@ import warp as wp
 
 from warp_mps.core.types import NumericTypes
 
-METHOD = "multilevel"
+METHOD = "multigrid"
 
 # Damping of the Jacobi sweeps on the cells, measured: 0.67 takes an iteration more.
 DAMPING = 0.85

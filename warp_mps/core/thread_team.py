@@ -15,7 +15,7 @@ Task = Callable[[], None]
 Orders = SimpleQueue[int | None]
 
 
-class Team:
+class ThreadTeam:
     """Threads that go through the same sections side by side; they end with the team.
 
     Args:
@@ -24,7 +24,7 @@ class Team:
     """
 
     def __init__(self, sections: Sequence[Sequence[Task | None]], threads: int) -> None:
-        self._course = course = _Course(sections, threads)
+        self._course = course = _Sections(sections, threads)
         self._orders: list[Orders] = [SimpleQueue() for _ in range(1, threads)]
         # daemons, so that a program that ends does not wait for them; none of them may hold the team, see `_dismissal`
         self._threads = [
@@ -70,7 +70,7 @@ class Team:
             thread.join()
 
 
-class _Course:
+class _Sections:
     """What the threads of a team share.
 
     Attributes:
@@ -114,7 +114,7 @@ def _dismiss(teams_orders: Iterable[Orders]) -> None:
         orders.put(None)
 
 
-def shares(count: int, threads: int) -> list[tuple[int, int]]:
+def split_particles(count: int, threads: int) -> list[tuple[int, int]]:
     """First particle and number of particles of each thread."""
     ends = [count * number // threads for number in range(threads + 1)]
     return [(first, last - first) for first, last in itertools.pairwise(ends)]

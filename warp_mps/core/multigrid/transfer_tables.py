@@ -77,7 +77,7 @@ def transpose(cells: np.ndarray, shares: np.ndarray, coarse: int, wraps: bool) -
     return there, np.where(counts, weights, 0.0)
 
 
-class Along:
+class TransferTable:
     """For each cell of a grid the cells of another one that it is made of, axis by axis.
 
     Args:

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from warp_mps.core.device import open_device
-from warp_mps.core.multigrid.grid import cell_type
-from warp_mps.core.multigrid.tables import ABOVE, BELOW, Along, interpolation, surroundings, transpose
+from warp_mps.core.multigrid.cell_numbering import cell_type
+from warp_mps.core.multigrid.transfer_tables import ABOVE, BELOW, TransferTable, interpolation, surroundings, transpose
 from warp_mps.core.types import numeric_types
 
 SIZES = [1, 2, 3, 4, 5, 8, 9]
@@ -74,7 +74,7 @@ def test_transpose(n: int, wraps: bool) -> None:
 
 def test_tables_of_several_axes() -> None:
     tables = [interpolation(5, 3, False), interpolation(4, 2, True), interpolation(1, 1, False)]
-    along = Along(tables, ivec=cell_type(numeric_types(3)), device=open_device("cpu"))
+    along = TransferTable(tables, ivec=cell_type(numeric_types(3)), device=open_device("cpu"))
     cell, share = along.cell.numpy().reshape(-1, ABOVE), along.share.numpy().reshape(-1, ABOVE)
     for first, (cells, shares) in zip(along.first, tables, strict=True):
         np.testing.assert_array_equal(cell[first : first + len(cells)], cells)
