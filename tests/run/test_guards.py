@@ -143,24 +143,24 @@ def test_the_exit_code_of_the_process_is_3(tmp_path: Path) -> None:
     assert_kept(tmp_path / "out", line)
 
 
-def poke(monkeypatch: pytest.MonkeyPatch, time: float, change: Callable[[Any], None]) -> None:
-    """Change the state of a run once, before it goes on from a time."""
+def poke(monkeypatch: pytest.MonkeyPatch, time: float, change: Callable[[Simulation], None]) -> None:
+    """Change the state of a run once, before it continues from a time."""
     advance, done = Simulation.advance, []
 
     def advance_and_poke(simulation: Simulation, steps: int) -> None:
         if simulation.time > time and not done:
             done.append(True)
-            change(simulation._system)
+            change(simulation)
         advance(simulation, steps)
 
     monkeypatch.setattr(Simulation, "advance", advance_and_poke)
 
 
-def put(name: str, value: float, *, at: int = -1) -> Callable[[Any], None]:
-    """A change of the state that gives one particle, the last one, a value."""
+def put(name: str, value: float, *, of: str, at: int = -1) -> Callable[[Simulation], None]:
+    """A change of the state of the ``solid`` or the ``fluids`` that gives one particle, the last one, a value."""
 
-    def change(system: Any) -> None:
-        array = getattr(system.state, name)
+    def change(simulation: Simulation) -> None:
+        array = getattr(getattr(simulation, of).state, name)
         values = array.numpy().copy()
         values[at] = value
         array.assign(values)
@@ -173,7 +173,7 @@ def put(name: str, value: float, *, at: int = -1) -> Callable[[Any], None]:
 def test_a_solid_that_is_not_finite(
     name: str, number: float, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    poke(monkeypatch, 0.005, put(name, number))
+    poke(monkeypatch, 0.005, put(name, number, of="solid"))
     line = failed(falling_beam(), tmp_path, capsys)
     assert re.search(rf"the position of {PLACE} is not finite at 0\.00\d+ s \(step \d+\); the time step of", line)
     assert len(read_history(tmp_path / "out" / "probes.csv").times) >= 6
@@ -186,7 +186,7 @@ def test_a_fluid_that_is_not_finite(
 ) -> None:
     """Also where less of it than may be lost has left the domain with no number for a place."""
     monkeypatch.setattr("warp_mps.fluid.failures.LARGEST_LOSS", 1.0)
-    poke(monkeypatch, 0.055, put(name, number))
+    poke(monkeypatch, 0.055, put(name, number, of="fluids"))
     line = failed(still_water(), tmp_path, capsys)
     assert re.search(rf"at t = 0\.07 s: the position of {PLACE} is not finite: the flow has collapsed there", line)
 
@@ -201,7 +201,7 @@ def test_a_body_in_water_that_is_not_finite(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     """Whether it takes many explicit steps in one of the water, or an implicit one, whose solver names the particle."""
-    poke(monkeypatch, 0.055, lambda system: put(name, np.nan, at=9)(system.solid))
+    poke(monkeypatch, 0.055, put(name, np.nan, of="solid", at=9))
     line = failed(gate(**way), tmp_path, capsys)
     if way is IMPLICIT:
         assert re.search(r"the step from 0\.06 to \S+ s was not solved: .*; particle \d+ of body 'gate'", line)
@@ -215,7 +215,7 @@ def test_a_body_in_water_that_is_not_finite(
 def test_a_body_in_water_that_explodes(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    poke(monkeypatch, 0.055, lambda system: put("v", 1e5, at=9)(system.solid))
+    poke(monkeypatch, 0.055, put("v", 1e5, of="solid", at=9))
     line = failed(gate(), tmp_path, capsys)
     assert re.search(rf"at t = 0\.06\d* s: {PLACE} at \(.*\) m moves at \S+ m/s: ", line)
     assert line.endswith(("time stands still", "the forces between water and bodies are no numbers any more"))
@@ -235,10 +235,11 @@ def test_water_and_bodies_that_are_at_odds(
 def test_a_fluid_whose_energy_grows(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    def stir(system: Any) -> None:
-        u = system.state.u.numpy().copy()
+    def stir(simulation: Simulation) -> None:
+        state = simulation.fluids.state
+        u = state.u.numpy().copy()
         u[-64:, 0] += np.where(np.arange(64) % 2, 3.0, -3.0)
-        system.state.u.assign(u)
+        state.u.assign(u)
 
     poke(monkeypatch, 0.055, stir)
     line = failed(still_water(), tmp_path, capsys)
@@ -250,7 +251,7 @@ def test_a_fluid_whose_energy_grows(
 def test_a_fluid_whose_steps_collapse(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    poke(monkeypatch, 0.055, put("u", 1e5))
+    poke(monkeypatch, 0.055, put("u", 1e5, of="fluids"))
     line = failed(still_water(), tmp_path, capsys)
     assert re.search(rf"at t = 0\.06\d* s: {PLACE} at \(.*\) m moves at .* m/s: it runs away, the flow", line)
     assert len(read_history(tmp_path / "out" / "probes.csv").times) == 7
@@ -269,7 +270,7 @@ def test_single_steps_that_are_not_solved_do_not_stop_a_run() -> None:
     """Only steps in a row do: a guess of the pressure that is no number costs one solve."""
     simulation = Simulation(still_water())
     for _ in range(2 * MOST_UNSOLVED):
-        put("p", np.nan, at=0)(simulation.fluids)
+        put("p", np.nan, of="fluids", at=0)(simulation)
         simulation.advance(1)
     assert simulation.record()["fluid"]["unsolved"] == 2 * MOST_UNSOLVED
     assert simulation.fluids.trouble() is None
