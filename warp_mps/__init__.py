@@ -45,8 +45,10 @@ if TYPE_CHECKING:
         TableRotation,
         VelocityField,
         Wall,
+        fill_to,
+        tank,
     )
-    from warp_mps.shapes import Box, Cylinder, Mesh, Points, Sphere
+    from warp_mps.shapes import Box, Cylinder, Difference, Intersection, Mesh, Points, Shape, Sphere, Union
     from warp_mps.usd.case.read import read_stage
     from warp_mps.usd.case.save import save_stage
     from warp_mps.usd.shipped_cases import find_case, shipped_cases
@@ -65,8 +67,11 @@ _HOMES = {
         *("Body", "Contact", "Elasticity", "Flow", "Fluid", "HarmonicMotion", "HarmonicRotation", "Liquid", "Load"),
         *("Material", "Measurement"),
         *("Part", "Probe", "Scene", "StageFrame", "Support", "TableMotion", "TableRotation", "VelocityField", "Wall"),
+        *("fill_to", "tank"),
     ),
-    "warp_mps.shapes": ("Box", "Cylinder", "Mesh", "Points", "Sphere"),
+    "warp_mps.shapes": (
+        *("Box", "Cylinder", "Difference", "Intersection", "Mesh", "Points", "Shape", "Sphere", "Union"),
+    ),
     "warp_mps.run.simulation": ("Simulation",),
     "warp_mps.usd.case.read": ("read_stage",),
     "warp_mps.usd.case.save": ("save_stage",),
@@ -78,12 +83,14 @@ __all__ = [
     "Box",
     "Contact",
     "Cylinder",
+    "Difference",
     "Elasticity",
     "Flow",
     "Fluid",
     "HarmonicMotion",
     "HarmonicRotation",
     "InputError",
+    "Intersection",
     "Liquid",
     "Load",
     "Material",
@@ -96,15 +103,18 @@ __all__ = [
     "RunError",
     "RunSummary",
     "Scene",
+    "Shape",
     "Simulation",
     "Sphere",
     "StageFrame",
     "Support",
     "TableMotion",
     "TableRotation",
+    "Union",
     "VelocityField",
     "View",
     "Wall",
+    "fill_to",
     "find_case",
     "read_history",
     "read_stage",
@@ -112,6 +122,7 @@ __all__ = [
     "run_scene",
     "save_stage",
     "shipped_cases",
+    "tank",
 ]
 
 

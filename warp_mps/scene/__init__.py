@@ -33,10 +33,12 @@ from warp_mps.scene.choices import (
     WALL_QUANTITIES,
     WALL_SLIPS,
 )
+from warp_mps.scene.filling_level import fill_to
 from warp_mps.scene.materials import Liquid, Material
 from warp_mps.scene.motions import HarmonicMotion, HarmonicRotation, TableMotion, TableRotation, Vector, VelocityField
 from warp_mps.scene.numerics import Contact, Elasticity, Flow, StageFrame
 from warp_mps.scene.probes import Measurement, Probe
+from warp_mps.scene.tank_walls import tank
 
 __all__ = [
     "ABOUT_QUANTITIES",
@@ -83,4 +85,6 @@ __all__ = [
     "Vector",
     "VelocityField",
     "Wall",
+    "fill_to",
+    "tank",
 ]
