@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from warp_mps.run.simulation import Simulation
     from warp_mps.scene import (
         Body,
+        BodyForce,
         Contact,
         Elasticity,
         Flow,
@@ -64,7 +65,18 @@ _HOMES = {
     "warp_mps.results.summary": ("RunSummary", "read_summary"),
     "warp_mps.run.run": ("run_scene",),
     "warp_mps.scene": (
-        *("Body", "Contact", "Elasticity", "Flow", "Fluid", "HarmonicMotion", "HarmonicRotation", "Liquid", "Load"),
+        *(
+            "Body",
+            "BodyForce",
+            "Contact",
+            "Elasticity",
+            "Flow",
+            "Fluid",
+            "HarmonicMotion",
+            "HarmonicRotation",
+            "Liquid",
+            "Load",
+        ),
         *("Material", "Measurement"),
         *("Part", "Probe", "Scene", "StageFrame", "Support", "TableMotion", "TableRotation", "VelocityField", "Wall"),
         *("fill_to", "tank"),
@@ -80,6 +92,7 @@ _HOME_OF = {name: home for home, names in _HOMES.items() for name in names}
 
 __all__ = [
     "Body",
+    "BodyForce",
     "Box",
     "Contact",
     "Cylinder",

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from warp_mps.scene import Scene
+from warp_mps.scene.body_force import function_identity
 from warp_mps.shapes import Box
 
 # said elsewhere, or of no use to a reader of results
@@ -70,12 +71,13 @@ def _plain(value: Any, dimension: int) -> Any:
         if all(dataclasses.is_dataclass(item) and hasattr(item, "name") for item in value):
             return {item.name: _plain(item, dimension) for item in value}
         return [_plain(item, dimension) for item in value]
-    return value
+    return function_identity(value) if callable(value) else value
 
 
 # classes that the name of their field says already
 _OBVIOUS = {
     "Body",
+    "BodyForce",
     "Contact",
     "Elasticity",
     "Flow",

@@ -79,6 +79,8 @@ class Simulation(Readings):
         if threads > 1 and (scene.fluids or scene.implicit):
             what = "fluids take" if scene.fluids else "a static analysis and implicit steps take"
             raise InputError("", "threads", f"is {threads}; {what} one")
+        if threads > 1 and not all(force.is_warp_function for force in scene.body_forces):
+            raise InputError("", "threads", f"is {threads}; body forces given as Python functions take one")
         self.scene, self.precision, self.step = scene, precision, 0
         self.clock, particles = Clock(scene), fill_scene(scene)
         options: dict[str, Any] = {"types": numeric_types(scene.dimension, precision), "device": self._device}

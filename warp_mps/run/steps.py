@@ -75,8 +75,10 @@ class ReplayedSteps:
         self._solid, self._replay = solid, Replay(device=device, graphs=graphs)
 
     def take(self, first: int, count: int) -> None:
-        """Take the steps as one graph."""
-        self._replay(f"{count} steps", lambda: _repeat(self._solid.step, count))
+        """Take the steps as one graph, or in parts where the host has to do something within a step."""
+        from warp_mps.elastic.explicit.step_graphs import take_steps
+
+        take_steps(self._solid, self._replay, count)
 
     def reopen(self) -> None:
         """Do nothing: graphs stay."""
@@ -127,8 +129,3 @@ class ThreadedSteps:
             for section in self._solid.sections()
         ]
         return ThreadTeam([tasks + [None] * (threads - len(tasks)) for tasks in sections], threads)
-
-
-def _repeat(launch: Callable[[], None], times: int) -> None:
-    for _ in range(times):
-        launch()

@@ -7,6 +7,7 @@ coordinates; quantities are then per metre of depth.
 
 from warp_mps.scene.actions import Load, Support
 from warp_mps.scene.bodies import Body, Fluid, Part, Wall
+from warp_mps.scene.body_force import BodyForce
 from warp_mps.scene.case import Scene
 from warp_mps.scene.choices import (
     ABOUT_QUANTITIES,
@@ -65,6 +66,7 @@ __all__ = [
     "WALL_QUANTITIES",
     "WALL_SLIPS",
     "Body",
+    "BodyForce",
     "Contact",
     "Elasticity",
     "Flow",

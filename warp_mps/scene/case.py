@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from warp_mps.scene.actions import Load, Support
 from warp_mps.scene.bodies import Body, Fluid, Wall
+from warp_mps.scene.body_force import BodyForce
 from warp_mps.scene.materials import Material
 from warp_mps.scene.motions import Vector
 from warp_mps.scene.numerics import Contact, Elasticity, Flow, StageFrame
@@ -28,6 +29,7 @@ class Scene:
         walls: Rigid bodies, at rest or moved.
         supports: Held regions.
         loads: Forces.
+        body_forces: Forces per mass that depend on place and time; they cannot be saved in a stage.
         probes: Recorded quantities.
         measurements: Numbers drawn from the probes, with their references.
         elasticity: The elastic model.
@@ -67,6 +69,7 @@ class Scene:
     walls: tuple[Wall, ...] = ()
     supports: tuple[Support, ...] = ()
     loads: tuple[Load, ...] = ()
+    body_forces: tuple[BodyForce, ...] = ()
     probes: tuple[Probe, ...] = ()
     measurements: tuple[Measurement, ...] = ()
     elasticity: Elasticity = Elasticity()

@@ -1,7 +1,7 @@
 """The elastic bodies of a scene on a device: one step of them, and what can be asked of them."""
 
 import functools
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -11,6 +11,7 @@ import warp as wp
 from warp_mps.core.neighbours import METHOD as NEIGHBOURS
 from warp_mps.core.neighbours import neighbour_kernels
 from warp_mps.core.types import NumericTypes
+from warp_mps.elastic.boundary.body_forces import make_body_forces
 from warp_mps.elastic.boundary.boundary_kernels import METHOD, boundary_kernels
 from warp_mps.elastic.boundary.conditions import BoundaryConditions
 from warp_mps.elastic.contact.friction_kernels import friction_kernels
@@ -48,12 +49,14 @@ class Phase(NamedTuple):
         splits: Whether threads can share its particles.
         follows: Whether it needs nothing of other particles that the phase before it writes, so that a thread can go
             on to it without waiting for the others.
+        on_host: Whether it runs on the host, so that no graph can hold it.
     """
 
     name: str
     launch: Callable[[int, int], None]
     splits: bool = False
     follows: bool = False
+    on_host: bool = False
 
 
 def declare_kernels(types: NumericTypes) -> list[str]:
@@ -109,7 +112,6 @@ class Solid:
         self.model = make_model(scene, particles.elastic_part(), held_rotation, types=types, device=device)
         self.viscosity = make_viscosity(scene, particles.elastic_part(), self.model, types=types, device=device)
         self.walls = Walls(scene, particles, dt=dt, types=types, device=device) if scene.walls else None
-        self._moving = self.boundary.moving or bool(self.walls and self.walls.moving)
         self.contacts = (
             Contacts(scene, particles, types=types, device=device) if needs_contact(scene, particles) else None
         )
@@ -120,6 +122,8 @@ class Solid:
         self._mass = wp.array(self._masses, dtype=types.real, device=device)
         inverse_mass = ~self.boundary.held / particles.masses[:, None]
         inverse_mass[self._n :] = 0.0
+        self.body_forces = make_body_forces(scene, particles, self._mass, types=types, device=device)
+        self._moving = self.boundary.moving or bool(self.walls and self.walls.moving) or self.body_forces is not None
         self._inverse_mass = wp.array(inverse_mass, dtype=types.vec, device=device)
         self._values = wp.zeros((4, particles.count), dtype=types.real, device=device)
         self._chunks = wp.zeros((4, -(-particles.count // CHUNK)), dtype=wp.float64, device=device)
@@ -146,12 +150,18 @@ class Solid:
         if self.contacts:
             self._touch(self.contacts)
         self.boundary.push(self.state.force, self._mass)
+        if self.body_forces:
+            self.body_forces.apply(self.state, 0.0, self.state.force)
         self._kick(0.0, 0, self._n)
         self._account(0.0)
 
     def step(self) -> None:
         """Advance by one time step."""
-        for phase in self.phases:
+        self.launch(self.phases)
+
+    def launch(self, phases: Sequence[Phase]) -> None:
+        """Launch phases of a step over all particles."""
+        for phase in phases:
             phase.launch(0, self._n)
 
     def sections(self) -> list[list[Phase]]:
@@ -194,6 +204,7 @@ class Solid:
             phases.append(Phase("push", lambda *_: self.boundary.push(state.force, self._mass)))
         if self.external is not None:
             phases.append(Phase("external", lambda *_: self._add_external()))
+        phases += self._body_force_phases()
         phases.append(Phase("kick", functools.partial(self._kick, self._dt), splits=True, follows=True))
         if rotation:
             phases.append(Phase("rotation kick", functools.partial(rotation.kick, self._dt), splits=True, follows=True))
@@ -203,6 +214,18 @@ class Solid:
             # after the damping, for a step's work is that of the velocities at its two ends
             phases.append(Phase("work", lambda *_: self._account(self._dt)))
         return phases
+
+    def _body_force_phases(self) -> list[Phase]:
+        """Body forces at the new places, Python functions first."""
+        if not (forces := self.body_forces):
+            return []
+        state, steps, dt = self.state, self.boundary.steps, self._dt
+
+        def evaluate(*_: int) -> None:
+            forces.evaluate(state, float(steps.numpy()[0]) * dt)
+
+        on_host = [Phase("body force on the host", evaluate, on_host=True)] if forces.on_host else []
+        return [*on_host, Phase("body force", lambda *_: forces.launch(state, steps, dt, state.force))]
 
     def energy(self) -> Energy:
         """Energies of the present state."""
@@ -229,7 +252,8 @@ class Solid:
 
     def work(self) -> float:
         """Work done from outside so far [J]."""
-        return self.boundary.work() + (self.walls.work() if self.walls else 0.0)
+        parts = (self.boundary, self.walls, self.body_forces)
+        return float(sum(part.work() for part in parts if part))
 
     def displacements(self) -> np.ndarray:
         """Displacements u = x - X [m], shape [n, d]."""
@@ -272,6 +296,8 @@ class Solid:
         self.boundary.push(loads, self._mass)
         if self.external is not None:
             wp.launch(self._motion.add, self._n, [self.external], [loads], device=self._device)
+        if self.body_forces:
+            wp.launch(self._motion.add, self._n, [self.body_forces.force], [loads], device=self._device)
         return self.state.force.numpy().astype(float) - weight - loads.numpy()
 
     def elastic_torques(self) -> np.ndarray:
@@ -306,7 +332,8 @@ class Solid:
 
     def evolving(self) -> list[wp.array]:
         """Device arrays of everything that evolves: a step goes on from their contents."""
-        parts = (self.state, self.boundary, self.model.rotation, self.viscosity, self.walls, self.contacts)
+        parts: tuple[Any, ...] = (self.state, self.boundary, self.model.rotation, self.viscosity, self.walls)
+        parts += (self.contacts, self.body_forces)
         return [*(array for part in parts if part for array in part.evolving()), *self._retarded]
 
     def arrays(self) -> dict[str, np.ndarray]:
@@ -315,8 +342,18 @@ class Solid:
         viscous = self.viscosity.arrays() if self.viscosity else {}
         walls = self.walls.arrays() if self.walls else {}
         contact = self.contacts.arrays() if self.contacts else {}
+        forces = self.body_forces.arrays() if self.body_forces else {}
         retarded = {"retarded": np.stack([array.numpy() for array in self._retarded])} if self._retardation else {}
-        return {**self.state.arrays(), **rotation, **viscous, **self.boundary.arrays(), **walls, **contact, **retarded}
+        return {
+            **self.state.arrays(),
+            **rotation,
+            **viscous,
+            **self.boundary.arrays(),
+            **walls,
+            **contact,
+            **forces,
+            **retarded,
+        }
 
     def assign(self, arrays: dict[str, np.ndarray]) -> None:
         """Continue from arrays that `arrays` gave."""
@@ -326,6 +363,8 @@ class Solid:
             self.model.rotation.assign(arrays)
         if self.viscosity:
             self.viscosity.assign(arrays)
+        if self.body_forces:
+            self.body_forces.assign(arrays)
         if self._retardation:
             for array, values in zip(self._retarded, arrays["retarded"], strict=True):
                 array.assign(values)
@@ -368,6 +407,8 @@ class Solid:
     def _account(self, dt: float) -> None:
         """Add the work of a step from outside."""
         self.boundary.account(self.state, self._mass, dt)
+        if self.body_forces:
+            self.body_forces.account(self.state.v, dt)
         if self.walls:
             self.walls.account(self.state)
 

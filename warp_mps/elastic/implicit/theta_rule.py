@@ -9,7 +9,7 @@ c = u_0 + theta dt v_0/(1 + damping theta dt), and the end of the step follows. 
 keeps energy, but for large strains, and damps nothing; theta = 1 is backward Euler. An oscillation of angular frequency
 omega is damped with the ratio (theta - 1/2) omega dt while omega dt is small, and where it is far too fast for a step,
 ((1 - theta)/theta)^2 of its energy is left after it. Loads are those of both ends of a step, weighted with 1 - theta
-and theta.
+and theta; body forces at the end are those at u_0 + dt v_0.
 
 References:
     Hairer, Lubich and Wanner, Geometric Numerical Integration, 2nd ed., sections II.1 and VI.4 (midpoint rule).
@@ -93,6 +93,8 @@ class ImplicitSolid(Solid):
         state = self.state
         self.boundary.place(state.u, state.v, state.driven, self._mass, 0.0)
         self.boundary.push(self._load, self._mass, 0.0)
+        if self.body_forces:
+            self.body_forces.apply(state, 0.0, self._load)
         wp.copy(self._pace, state.v)
         self._complete()
 
@@ -113,6 +115,8 @@ class ImplicitSolid(Solid):
         self.boundary.place(self._end, self._end_speed, state.driven, self._mass, time)
         self._load.zero_()
         self.boundary.push(self._load, self._mass, time)
+        if self.body_forces:
+            self.body_forces.apply(state, time, self._load, ahead=time - self._time)
         self._run("begin", self._begin)
         if not self.newton.solve(jumps=self.boundary.driven, measure=True, guess=self._foresee, tolerance=tolerance):
             wp.copy(state.u, self._u_before)
@@ -124,6 +128,10 @@ class ImplicitSolid(Solid):
                 f"are crushed; {worst} was furthest from a solution"
             )
         self._run("end", self._finish)
+        if self.body_forces:  # where the next step begins, not where this one was expected to end
+            self._load.zero_()
+            self.boundary.push(self._load, self._mass, time)
+            self.body_forces.apply(state, time, self._load)
         self._time = time
 
     def save(self) -> None:

@@ -11,7 +11,7 @@ import numpy as np
 from warp_mps.errors import InputError
 
 if TYPE_CHECKING:
-    from warp_mps.scene import Body, Fluid, Load, Measurement, Part, Probe, Support, Wall
+    from warp_mps.scene import Body, BodyForce, Fluid, Load, Measurement, Part, Probe, Support, Wall
 
 
 # of any number, in SI units: beyond it, and below its inverse, products of a few numbers are no numbers any more
@@ -21,7 +21,7 @@ LARGEST = 1e60
 SAME = 1e-6
 
 
-def place(item: Body | Part | Wall | Fluid | Support | Load | Probe | Measurement, kind: str) -> str:
+def place(item: Body | Part | Wall | Fluid | Support | Load | BodyForce | Probe | Measurement, kind: str) -> str:
     """How an error names an item: its path, or its kind and name where it has none."""
     return item.path or f"{kind} '{item.name}'"
 

@@ -14,6 +14,7 @@ import numpy as np
 
 from warp_mps import scene as sc
 from warp_mps.scene.spline import table_values
+from warp_mps.scene.validation.body_forces import check_body_forces
 from warp_mps.scene.validation.coupling import check_coupling
 from warp_mps.scene.validation.fluids import check_fluids, check_velocity_field
 from warp_mps.scene.validation.implicit import check_implicit
@@ -57,6 +58,7 @@ def check_scene(scene: Scene) -> None:
         _support(scene, support)
     for load in scene.loads:
         _load(scene, load)
+    check_body_forces(scene)
     for probe in scene.probes:
         check_probe(scene, probe)
     for measurement in scene.measurements:
@@ -109,6 +111,7 @@ def _unique(scene: Scene) -> None:
         "fluid": scene.fluids,
         "support": scene.supports,
         "load": scene.loads,
+        "body force": scene.body_forces,
         "probe": scene.probes,
     }
     for kind, items in groups.items():

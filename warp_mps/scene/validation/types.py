@@ -6,7 +6,7 @@ import dataclasses
 import functools
 import types
 import typing
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -17,7 +17,14 @@ from warp_mps.shapes import Shape
 from warp_mps.shapes.numbers import is_number
 
 # what the types of fields are called
-_WORDS = {float: "a number", int: "a whole number", str: "a text", bool: "True or False", type(None): "None"}
+_WORDS: dict[Any, str] = {
+    float: "a number",
+    int: "a whole number",
+    str: "a text",
+    bool: "True or False",
+    type(None): "None",
+    Callable: "a function",
+}
 
 
 def check_types(record: Any, where: str, prefix: str = "") -> None:

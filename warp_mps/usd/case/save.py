@@ -12,6 +12,7 @@ from pxr import Gf, Sdf, Tf, Usd, UsdGeom, UsdPhysics, UsdShade
 from warp_mps import scene as sc
 from warp_mps.errors import InputError
 from warp_mps.scene.components import component_names
+from warp_mps.scene.validation.rules import place
 from warp_mps.shapes import Cylinder, Points
 from warp_mps.usd import register_schema
 from warp_mps.usd.case.attributes import ROLE, ROLES, TABLE
@@ -33,11 +34,15 @@ def save_stage(scene: sc.Scene, path: str | Path) -> None:
         path: File to write; its suffix says which format.
 
     Raises:
-        InputError: The suffix is not one of `SUFFIXES`, the file cannot be written, or a name is no prim name.
+        InputError: The suffix is not one of `SUFFIXES`, the file cannot be written, a name is no prim name, or there
+            are body forces.
     """
     path = Path(path)
     if path.suffix not in SUFFIXES:
         raise InputError(str(path), "", f"must end in one of: {', '.join(SUFFIXES)}")
+    for force in scene.body_forces:
+        reason = "is a function, which a stage cannot hold: leave the force out, or keep the scene in Python"
+        raise InputError(place(force, "body force"), "acceleration", reason)
     register_schema()
     stage = Usd.Stage.CreateInMemory()
     _Writer(stage, scene).write()
