@@ -9,8 +9,8 @@ import warp as wp
 
 from warp_mps.core.types import PRECISIONS, numeric_types
 from warp_mps.coupling.hydroelastic import declare_kernels
-from warp_mps.coupling.interface_kernels import marker_kernels
-from warp_mps.coupling.robin_kernels import METHOD, coupling_kernels
+from warp_mps.coupling.interface_kernels import interface_kernels
+from warp_mps.coupling.robin_kernels import METHOD, robin_kernels
 
 
 @pytest.mark.long
@@ -21,7 +21,7 @@ def test_every_kernel_compiles_for_cuda(dimension: int, precision: str, tmp_path
     assert declare_kernels(numbers) == [numbers.module(METHOD)]
     wp.compile_aot_module(numbers.module(METHOD), arch=80, module_dir=tmp_path, use_ptx=True)
     code = "".join(file.read_text() for file in tmp_path.glob("*.ptx"))
-    kernels = [(make.__name__, name) for make in (coupling_kernels, marker_kernels) for name in vars(make(numbers))]
+    kernels = [(make.__name__, name) for make in (robin_kernels, interface_kernels) for name in vars(make(numbers))]
     assert len(kernels) == 11
     missing = [kernel for kernel in kernels if ".entry {}__locals__{}_".format(*kernel) not in code]
     assert missing == []

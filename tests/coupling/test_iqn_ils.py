@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from warp_mps.coupling.iqn_ils import QuasiNewton
+from warp_mps.coupling.iqn_ils import InterfaceQuasiNewton
 
 N = 12
 
@@ -30,21 +30,21 @@ class Linear:
         return np.linalg.solve(np.eye(N) - self.matrix, self.shift)
 
 
-def iterate(newton: QuasiNewton, h: Linear, x: np.ndarray, passes: int) -> list[float]:
+def iterate(newton: InterfaceQuasiNewton, h: Linear, x: np.ndarray, passes: int) -> list[float]:
     """Errors of x before each of some passes, relative to the root."""
     errors = []
     for _ in range(passes):
         errors.append(float(np.linalg.norm(x - h.root) / np.linalg.norm(h.root)))
         newton.add(x, h(x))
-        x = newton.propose()
+        x = newton.next_iterate()
     newton.end_step()
     return errors
 
 
 def test_the_first_step_of_all_is_that_of_the_fixed_point() -> None:
-    newton, h, x = QuasiNewton(2), Linear([-3.0, 0.5]), np.ones(N)
+    newton, h, x = InterfaceQuasiNewton(2), Linear([-3.0, 0.5]), np.ones(N)
     newton.add(x, h(x))
-    np.testing.assert_array_equal(newton.propose(), h(x))
+    np.testing.assert_array_equal(newton.next_iterate(), h(x))
 
 
 @pytest.mark.parametrize("eigenvalues", [[-8.0], [-8.0, -1.5, 0.4], [-40.0, -3.0, 2.5, 0.9, -0.2]])
@@ -54,7 +54,7 @@ def test_a_diverging_iteration_converges_in_as_many_passes_as_there_are_directio
     for _ in range(40):
         x = h(x)
     assert np.linalg.norm(x - h.root) > 1e3 * np.linalg.norm(h.root)
-    errors = iterate(QuasiNewton(2), h, np.zeros(N), len(eigenvalues) + 4)
+    errors = iterate(InterfaceQuasiNewton(2), h, np.zeros(N), len(eigenvalues) + 4)
     assert errors[len(eigenvalues)] > 1e-6
     assert errors[len(eigenvalues) + 2] < 1e-8
     assert errors[-1] < 1e-8
@@ -62,7 +62,7 @@ def test_a_diverging_iteration_converges_in_as_many_passes_as_there_are_directio
 
 def test_what_a_step_has_shown_makes_the_next_ones_short() -> None:
     """The map's matrix stays and its constant changes, as from one step to the next."""
-    h, newton = Linear([-8.0, -1.5, 0.4]), QuasiNewton(3)
+    h, newton = Linear([-8.0, -1.5, 0.4]), InterfaceQuasiNewton(3)
     assert iterate(newton, h, np.zeros(N), 5)[2] > 1e-3
     for seed in range(1, 5):
         h.shift = np.random.default_rng(seed).normal(size=N)
@@ -73,7 +73,7 @@ def test_what_a_step_has_shown_makes_the_next_ones_short() -> None:
 
 
 def test_only_the_last_steps_are_remembered() -> None:
-    h, newton = Linear([-2.0, 0.5]), QuasiNewton(2)
+    h, newton = Linear([-2.0, 0.5]), InterfaceQuasiNewton(2)
     for passes in (3, 4, 5):
         iterate(newton, h, np.ones(N), passes)
     assert newton.sizes.tolist() == [4, 3]
@@ -83,7 +83,7 @@ def test_only_the_last_steps_are_remembered() -> None:
 
 def test_memory_can_be_taken_over() -> None:
     """To the same bits, whatever the other one knew."""
-    h, one, other = Linear([-8.0, -1.5, 0.4]), QuasiNewton(2), QuasiNewton(2)
+    h, one, other = Linear([-8.0, -1.5, 0.4]), InterfaceQuasiNewton(2), InterfaceQuasiNewton(2)
     for passes in (3, 5):
         iterate(one, h, np.ones(N), passes)
     iterate(other, Linear([5.0], seed=3), np.ones(N), 4)
@@ -91,20 +91,20 @@ def test_memory_can_be_taken_over() -> None:
     h.shift = np.arange(N, dtype=float)
     assert iterate(other, h, np.zeros(N), 4) == iterate(one, h, np.zeros(N), 4)
     np.testing.assert_array_equal(other.memory, one.memory)
-    other.assign(QuasiNewton(2).memory, QuasiNewton(2).sizes)
+    other.assign(InterfaceQuasiNewton(2).memory, InterfaceQuasiNewton(2).sizes)
     assert other.sizes.tolist() == []
 
 
 def test_columns_that_say_nothing_do_no_harm() -> None:
     """The same x twice, x that differ by rounding, and more columns than there are unknowns."""
-    h, newton, x = Linear([-3.0]), QuasiNewton(4), np.ones(N)
+    h, newton, x = Linear([-3.0]), InterfaceQuasiNewton(4), np.ones(N)
     newton.add(x, h(x))
     newton.add(x, h(x))
-    np.testing.assert_array_equal(newton.propose(), h(x))
+    np.testing.assert_array_equal(newton.next_iterate(), h(x))
     newton.add(x * (1.0 + 1e-15), h(x))
     newton.add(2.0 * x, h(2.0 * x))
     newton.add(2.0 * x, h(2.0 * x))
     for seed in range(2 * N):
         y = np.random.default_rng(seed).normal(size=N)
         newton.add(y, h(y))
-    np.testing.assert_allclose(newton.propose(), h.root, rtol=1e-6)
+    np.testing.assert_allclose(newton.next_iterate(), h.root, rtol=1e-6)

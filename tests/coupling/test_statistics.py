@@ -1,4 +1,4 @@
-"""What is counted of the iterations between water and bodies."""
+"""Statistics of the fixed-point passes."""
 
 from __future__ import annotations
 
@@ -9,6 +9,11 @@ def test_passes_and_residuals() -> None:
     found = CouplingStatistics()
     assert found.record()["passes"] == 0.0
     for passes, residual in ((2, 1e-4), (20, 0.3), (5, 1e-3)):
-        found.add(passes, residual, agreed=residual < 0.1)
+        found.add(passes, residual, converged=residual < 0.1)
     record = found.record()
-    assert (record["passes"], record["most_passes"], record["worst_residual"], record["disagreed"]) == (9.0, 20, 0.3, 1)
+    assert (record["passes"], record["most_passes"], record["worst_residual"], record["unconverged"]) == (
+        9.0,
+        20,
+        0.3,
+        1,
+    )

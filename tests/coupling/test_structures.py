@@ -34,7 +34,7 @@ def test_every_try_of_a_step_begins_with_the_same_state(way: dict, dimension: in
         structure, rng = system.structure, np.random.default_rng(0)
         force = rng.normal(size=(system.particles.elastic, dimension))
         for step in range(1, 4):
-            dt, left = structure.fit(2e-3, 1.0)
+            dt, left = structure.fit_time_step(2e-3, 1.0)
             structure.save()
             tried = []
             for factor in (step, -3.0 * step, step):
@@ -64,7 +64,7 @@ def test_a_free_body_gains_the_impulse_of_its_forces(way: dict, dimension: int) 
     masses = system.particles.masses[: system.particles.elastic]
     for step in range(4):
         force = rng.normal(size=(system.particles.elastic, dimension))
-        dt, _ = structure.fit(2e-3 * (1.0 + 0.3 * step), 1.0)
+        dt, _ = structure.fit_time_step(2e-3 * (1.0 + 0.3 * step), 1.0)
         before = masses @ structure.solid.velocities()[: system.particles.elastic]
         structure.save()
         for tried in (5.0 * rng.normal(size=force.shape), force):
@@ -88,7 +88,7 @@ def test_substeps_divide_a_step() -> None:
         rest, steps = interval, 0
         while rest:
             wish = structure.dt * rng.uniform(0.2, 9.0)
-            dt, left = structure.fit(wish, rest * structure.dt)
+            dt, left = structure.fit_time_step(wish, rest * structure.dt)
             count = round(dt / structure.dt)
             assert dt == pytest.approx(count * structure.dt)
             assert 1 <= count <= max(1.0, wish / structure.dt * (1.0 + 1e-8))
@@ -97,7 +97,7 @@ def test_substeps_divide_a_step() -> None:
             assert (rest == 0) == (left == 1)
         assert steps <= interval
     for count in (1, 2, 3, 7, 20):
-        structure.fit(count * structure.dt, count * structure.dt)
+        structure.fit_time_step(count * structure.dt, count * structure.dt)
         structure.save()
         u = structure.solid.state.u.numpy().copy()
         structure.advance(0.0)
@@ -114,7 +114,7 @@ def test_arrays_bring_back_what_is_shown(way: dict) -> None:
     """Forces of the water are part of the state."""
     system, other = (system_of(hung(**way)) for _ in range(2))
     structure = system.structure
-    dt, _ = structure.fit(2e-3, 1.0)
+    dt, _ = structure.fit_time_step(2e-3, 1.0)
     structure.save()
     push(system, np.random.default_rng(0).normal(size=(system.particles.elastic, 2)))
     structure.advance(dt)

@@ -1,4 +1,7 @@
-"""How elastic bodies answer to pressure in a step, for the pressure equation to know about."""
+"""Mobility of the markers: the response of elastic bodies to pressure in a step, for the Robin term.
+
+It is the inverse of the mass that pressures feel, and what the added mass of the fluid is weighed against.
+"""
 
 from __future__ import annotations
 
@@ -11,23 +14,23 @@ import warp as wp
 from warp_mps.core.types import NumericTypes
 from warp_mps.coupling.interface import Markers
 
-# steps after which it is measured anew, passes of a step that ask for it, and relative change of the step that does
+# it is measured again after so many steps, after a step of more passes, and when the time step has changed by this part
 STEPS, PASSES, CHANGE = 100, 8, 0.25
-# of the forces that act: a part of them that is small and far above rounding
+# probing forces in units of those that act: small, and far above rounding
 PROBED = 0.1
-# of a free particle's mobility: a body that does not give at all must not make the equation blind
+# lower bound, in units of a free marker's mobility: also for a body that does not move at all
 LEAST = 1e-3
 
 
 class Mobility:
     """Acceleration per force of the markers of each body, under the pressures that move it most.
 
-    A value too large costs passes; one that is some times too small lets the iteration diverge. A uniform pressure
-    bends a plate that is wet on one side, but only squeezes a body that is in the midst of the water: what moves that
-    are pressures that grow along an axis.
+    A value that is too large costs passes; one that is several times too small lets the passes diverge. A uniform
+    pressure bends a plate that is wet on one side, but only compresses a body that is surrounded by fluid: pressures
+    that grow along an axis move such a body.
 
     Attributes:
-        array: Mobility of each marker [1/kg], real [markers].
+        array: Mobility b of each marker [1/kg], real [e].
 
     Args:
         markers: The markers.
@@ -42,7 +45,7 @@ class Mobility:
         self._steps = STEPS
 
     def is_due(self, dt: float) -> bool:
-        """Count a step of a length [s], and say whether it should begin with a measurement."""
+        """Count a step of a length [s], and return whether it should begin with a measurement."""
         self._steps += 1
         if self._steps > STEPS or abs(dt - self._dt) > CHANGE * self._dt:
             self._dt, self._steps = dt, 1
@@ -57,16 +60,16 @@ class Mobility:
     def measure(
         self, answer: Callable[[np.ndarray], np.ndarray], patterns: Sequence[np.ndarray], forces: np.ndarray
     ) -> None:
-        """Measure it: for each body, the largest that it shows under any of some patterns of force.
+        """Measure the mobility of each body: the largest under any of some patterns of force.
 
         Args:
-            answer: Gives the accelerations of the markers under forces [m/s^2], shapes [markers, d].
-            patterns: Forces of some pressures, of any size, that of a uniform one first [N], shapes [markers, d].
-            forces: Forces that act [N], shape [markers, d].
+            answer: Gives the accelerations of the markers under forces [m/s^2], shapes [e, d].
+            patterns: Forces of some pressures, of any size, that of a uniform one first [N], shapes [e, d].
+            forces: Forces that act [N], shape [e, d].
         """
         whole = float(np.linalg.norm(forces)) or float(np.linalg.norm(1.0 / self._free))
         at_rest, known = answer(forces), list[np.ndarray]()
-        # what is dry has the mobility of its markers
+        # a dry body has the mobility of free markers
         found = np.where(self._sum(patterns[0], patterns[0]) > 0.0, 0.0, np.inf)
         for pattern in patterns:
             own = pattern.copy()
@@ -80,11 +83,11 @@ class Mobility:
         self.array.assign(np.clip(found[self._bodies], LEAST * self._free, self._free))
 
     def _sum(self, a: np.ndarray, b: np.ndarray) -> np.ndarray:
-        """Products of vectors on the markers of each body together, shape [bodies]."""
+        """Scalar products of vectors on the markers of each body, shape [bodies]."""
         return np.bincount(self._bodies, np.sum(a * b, axis=1), self._bodies.max() + 1)
 
     def _ratio(self, a: np.ndarray, b: np.ndarray) -> np.ndarray:
-        """How much of b there is in a, body by body; 0 where there is no b, shape [bodies]."""
+        """Coefficients a . b / b . b of each body, 0 where b is 0, shape [bodies]."""
         square = self._sum(b, b)
         return np.divide(self._sum(a, b), square, out=np.zeros(len(square)), where=square > 0.0)
 

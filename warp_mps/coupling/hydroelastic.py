@@ -10,8 +10,8 @@ import numpy as np
 from warp_mps.core.types import NumericTypes
 from warp_mps.coupling.integrator_choice import substep, takes_implicit_steps
 from warp_mps.coupling.interface import Markers
-from warp_mps.coupling.interface_kernels import marker_kernels
-from warp_mps.coupling.robin_kernels import METHOD, coupling_kernels
+from warp_mps.coupling.interface_kernels import interface_kernels
+from warp_mps.coupling.robin_kernels import METHOD, robin_kernels
 from warp_mps.coupling.step import CoupledStep
 from warp_mps.coupling.structures import ImplicitStructure, Structure, SubsteppedStructure
 from warp_mps.elastic.implicit.theta_rule import ImplicitSolid
@@ -30,8 +30,8 @@ LINEAR_TOLERANCE = 1e-3
 
 def declare_kernels(types: NumericTypes) -> list[str]:
     """Declare the kernels of the exchange, and return the names of their modules."""
-    coupling_kernels(types)
-    marker_kernels(types)
+    robin_kernels(types)
+    interface_kernels(types)
     return [types.module(METHOD)]
 
 

@@ -1,9 +1,9 @@
-"""What the water sees of elastic bodies: markers, as far apart as its own particles.
+"""The interface of fluid and elastic bodies: markers at the spacing of the fluid, which are wall particles to it.
 
-Where a body's particles are finer than the water's, by a whole factor k, a marker stands for those in a cell of the
-water's spacing, k^d of them, in their mean place and with their mean velocity; else for one. Where a body is no whole
-number of cells thick, one in its middle holds fewer. A force on it is shared
-evenly by its particles, so that force and moment about the mean place are theirs as well.
+Where a body's particles are finer than the fluid's, by a whole factor k, a marker stands for those in a cell of the
+fluid's spacing, k^d of them, at their mean position and with their mean velocity; otherwise it stands for one particle.
+Where a body is no whole number of cells thick, a cell in its middle holds fewer. A force on a marker is distributed
+evenly to its particles, which conserves the force and its moment about the mean position.
 """
 
 from __future__ import annotations
@@ -15,13 +15,13 @@ import numpy as np
 import warp as wp
 
 from warp_mps.core.types import NumericTypes
-from warp_mps.coupling.interface_kernels import marker_kernels
+from warp_mps.coupling.interface_kernels import interface_kernels
 from warp_mps.elastic.state import ElasticState
 from warp_mps.particles.particles import Particles
 
-# of a particle's spacing: how far a lattice may be off its cells by rounding
+# rounding of a lattice against its cells, in spacings
 ROUNDING = 1e-6
-# how far neighbours on a lattice may be off a spacing and a right angle
+# tolerance of the distance of lattice neighbours from a spacing, and of their angle from a right one
 CLOSE = 1e-3
 
 
@@ -38,13 +38,13 @@ class Markers:
 
     Args:
         particles: The particles of the scene.
-        spacing: Particle spacing of the water [m].
+        spacing: Particle spacing of the fluid [m].
         types: Number types.
         device: Warp device.
     """
 
     def __init__(self, particles: Particles, spacing: float, *, types: NumericTypes, device: Any) -> None:
-        self._kernels, self._device = marker_kernels(types), device
+        self._kernels, self._device = interface_kernels(types), device
         of_particle = _cells(particles, spacing)
         members = np.argsort(of_particle, kind="stable")
         sizes = np.bincount(of_particle)
@@ -63,23 +63,63 @@ class Markers:
         self._mass = array(particles.masses[: particles.elastic], wp.float64)
 
     def transfer_motion(self, state: ElasticState, ahead: wp.array, x: wp.array, u: wp.array) -> None:
-        """Write places and velocities, of now or of a time ahead [s]."""
-        self._launch("show", [*self._rows, self._reference, ahead, state.u, state.v], [x, u])
+        """Launch positions and velocities of the markers.
+
+        Args:
+            state: State of the bodies.
+            ahead: Time by which they are moved on with their velocities [s], float64 [1].
+            x: Positions of wall particles and fluid [m], vec; the first ones are written.
+            u: Their velocities [m/s], vec; the first ones are written.
+        """
+        self._launch("transfer_motion", [*self._rows, self._reference, ahead, state.u, state.v], [x, u])
 
     def find_accelerations(self, dt: wp.array, before: wp.array, state: ElasticState, a: wp.array) -> None:
-        """Write the mean accelerations over a step that began with the velocities `before` of the particles."""
+        """Launch the mean accelerations of the markers over a step.
+
+        Args:
+            dt: Time step [s], float64 [1].
+            before: Velocities of the bodies' particles before it [m/s], vec.
+            state: State of the bodies after it.
+            a: Accelerations of wall particles [m/s^2], vec; the first ones are written.
+        """
         self._launch("accelerate", [*self._rows, dt, before, state.v], [a])
 
     def transfer_forces(self, force: wp.array, external: wp.array) -> None:
-        """Write the forces on the particles, from those on the markers."""
-        self._launch("share", [*self._rows, force], [external])
+        """Launch the transfer of forces on the markers to the bodies' particles.
 
-    def receive_collisions(self, free: wp.array, inputs: list[wp.array], outputs: list[wp.array]) -> None:
-        """End a step for the particles: `inputs` and `outputs` are those of the kernel `receive`."""
-        self._launch("receive", [*self._rows, self._mass, free, *inputs], outputs)
+        Args:
+            force: Forces on the markers [N], vec64 [count].
+            external: Forces on the particles [N], vec; the elastic ones are written.
+        """
+        self._launch("transfer_forces", [*self._rows, force], [external])
+
+    def apply_collisions(
+        self,
+        state: ElasticState,
+        works: list[wp.array],
+        *,
+        free: wp.array,
+        dt: wp.array,
+        impulses: tuple[wp.array, wp.array],
+        external: wp.array,
+        u_before: wp.array,
+    ) -> None:
+        """Launch the change of the particles' velocities by collisions, and the works of a step.
+
+        Args:
+            state: State of the bodies after the step; its velocities are changed.
+            works: Works of pressures, and of collisions on free and on held axes [J], float64 [count]; added to.
+            free: 1 on axes that are free, 0 on those that a support holds, vec [elastic].
+            dt: Time step [s], float64 [1].
+            impulses: Impulses on the markers before and after the step, collisions included [N s], vec64 [count].
+            external: Forces of the fluid on the particles in the step [N], vec.
+            u_before: Displacements of the particles before the step [m], vec.
+        """
+        inputs = [*self._rows, self._mass, free, dt, *impulses, external, u_before, state.u]
+        self._launch("apply_collisions", inputs, [state.v, *works])
 
     def distribute(self, values: np.ndarray) -> np.ndarray:
-        """Values of the markers shared evenly by their particles, shape [elastic, d]."""
+        """Values of the markers distributed evenly to their particles, shape [elastic, d]."""
         return (values / self._sizes[:, None])[self.of_particle]
 
     def _launch(self, name: str, inputs: list[Any], outputs: list[Any]) -> None:
@@ -102,10 +142,10 @@ def _cells(particles: Particles, spacing: float) -> np.ndarray:
 
 
 def _cells_of(x: np.ndarray, own: float, spacing: float) -> np.ndarray:
-    """The cell of each particle of a body, shape [n, d]: whole ones on its faces, what is left over in the middle.
+    """The cell of each particle of a body, shape [n, d]: whole ones on its faces, the remainder in the middle.
 
-    The water must see every face half a spacing before the first markers: a cell of fewer particles there would have
-    its marker so near to the water that it throws it off.
+    The fluid must see every face half a spacing before the first markers: a cell of fewer particles there would have
+    its marker so near to the fluid that it repels it.
     """
     low = x.min(axis=0) - 0.5 * own
     extent = (x.max(axis=0) + 0.5 * own - low) / spacing

@@ -1,4 +1,7 @@
-"""Kernels between the particles of bodies and the markers that the water sees of them."""
+"""Kernels that transfer motion and forces across the interface of bodies and fluid.
+
+Marker j stands for the particles i of a set M_j, which `first` and `members` list row by row, N_j of them.
+"""
 
 import functools
 from types import SimpleNamespace
@@ -10,13 +13,13 @@ from warp_mps.coupling.robin_kernels import METHOD
 
 
 @functools.cache
-def marker_kernels(types: NumericTypes) -> SimpleNamespace:
-    """Kernels `show`, `accelerate`, `share`, `receive` and `load`."""
+def interface_kernels(types: NumericTypes) -> SimpleNamespace:
+    """Kernels `transfer_motion`, `accelerate`, `transfer_forces`, `apply_collisions` and `replace_force`."""
     vec, d = types.vec, types.dimension
     vec64 = wp.types.vector(length=d, dtype=wp.float64)
 
     @types.kernel(METHOD)
-    def show(
+    def transfer_motion(
         # Model:
         first: wp.array(dtype=wp.int32),
         members: wp.array(dtype=wp.int32),
@@ -29,7 +32,7 @@ def marker_kernels(types: NumericTypes) -> SimpleNamespace:
         x_out: wp.array(dtype=vec),
         u_out: wp.array(dtype=vec),
     ):
-        """Places and velocities of the markers: of now, or of a time ahead if nothing acts."""
+        """Positions x_j = sum_i (X_i + u_i + h v_i) / N_j and velocities sum_i v_i / N_j of the markers, h `ahead`."""
         j = wp.tid()
         x = vec64()
         u = vec64()
@@ -53,7 +56,7 @@ def marker_kernels(types: NumericTypes) -> SimpleNamespace:
         # Out:
         a_out: wp.array(dtype=vec),
     ):
-        """Mean accelerations of the markers over a step that ends with the velocities."""
+        """Mean accelerations a_j = sum_i (v_i - v_i before) / (N_j dt) of the markers over a step."""
         j = wp.tid()
         total = vec64()
         for m in range(first[j], first[j + 1]):
@@ -62,7 +65,7 @@ def marker_kernels(types: NumericTypes) -> SimpleNamespace:
         a_out[j] = vec(total / (dt[0] * wp.float64(first[j + 1] - first[j])))
 
     @types.kernel(METHOD)
-    def share(
+    def transfer_forces(
         # Model:
         first: wp.array(dtype=wp.int32),
         members: wp.array(dtype=wp.int32),
@@ -71,14 +74,14 @@ def marker_kernels(types: NumericTypes) -> SimpleNamespace:
         # Out:
         external_out: wp.array(dtype=vec),
     ):
-        """The forces on the markers, evenly to their particles."""
+        """Forces f_i = F_j / N_j on the particles of the markers."""
         j = wp.tid()
         part = force[j] / wp.float64(first[j + 1] - first[j])
         for m in range(first[j], first[j + 1]):
             external_out[members[m]] = vec(part)
 
     @types.kernel(METHOD)
-    def receive(
+    def apply_collisions(
         # Model:
         first: wp.array(dtype=wp.int32),
         members: wp.array(dtype=wp.int32),
@@ -93,21 +96,22 @@ def marker_kernels(types: NumericTypes) -> SimpleNamespace:
         displacement: wp.array(dtype=vec),
         # State in and out:
         velocity: wp.array(dtype=vec),
-        pressed: wp.array(dtype=wp.float64),
-        struck: wp.array(dtype=wp.float64),
-        held: wp.array(dtype=wp.float64),
+        pressure_work: wp.array(dtype=wp.float64),
+        free_work: wp.array(dtype=wp.float64),
+        held_work: wp.array(dtype=wp.float64),
     ):
-        """What a step has done to the particles of a marker.
+        """Collision impulses J_j on the particles of a marker, and the works of a step.
 
-        The impulses of the step that its forces do not hold, those of collisions, change velocities at once; a support
-        takes them up where it holds. The works are those of the forces, and of collisions on free and on held axes.
+        J_j is the impulse of the step less that of the forces, sum_i dt f_i. It changes the velocities of free axes by
+        J_j / (N_j m_i); a support takes it up on the others. The works are those of the forces, and of collisions on
+        free and on held axes, the latter with the mean of the velocities before and after.
         """
         j = wp.tid()
         part = wp.float64(1.0) / wp.float64(first[j + 1] - first[j])
-        pushed = vec64()
+        impulse_of_forces = vec64()
         for m in range(first[j], first[j + 1]):
-            pushed += dt[0] * vec64(external[members[m]])
-        rest = impulse[j] - impulse_before[j] - pushed
+            impulse_of_forces += dt[0] * vec64(external[members[m]])
+        rest = impulse[j] - impulse_before[j] - impulse_of_forces
         for m in range(first[j], first[j + 1]):
             i = members[m]
             before = velocity[i]
@@ -116,23 +120,29 @@ def marker_kernels(types: NumericTypes) -> SimpleNamespace:
             velocity[i] = after
             moved = vec64(displacement[i]) - vec64(displacement_before[i])
             mean = wp.float64(0.5) * part * wp.cw_mul(rest, vec64(before) + vec64(after))
-            pressed[j] = pressed[j] + wp.dot(vec64(external[i]), moved)
+            pressure_work[j] = pressure_work[j] + wp.dot(vec64(external[i]), moved)
             on_free = wp.dot(vec64(free[i]), mean)
-            struck[j] = struck[j] + on_free
+            free_work[j] = free_work[j] + on_free
             for axis in range(wp.static(d)):
-                held[j] = held[j] + (wp.float64(1.0) - wp.float64(free[i][axis])) * mean[axis]
+                held_work[j] = held_work[j] + (wp.float64(1.0) - wp.float64(free[i][axis])) * mean[axis]
 
     @types.kernel(METHOD)
-    def load(
+    def replace_force(
         # State in:
         external: wp.array(dtype=vec),
         # State in and out:
-        carried: wp.array(dtype=vec),
+        included: wp.array(dtype=vec),
         force: wp.array(dtype=vec),
     ):
-        """Replace the external force that a total force carries by another, before a step begins with it."""
+        """Replace the external force in a total force by that of the step which begins."""
         i = wp.tid()
-        force[i] = force[i] + (external[i] - carried[i])
-        carried[i] = external[i]
+        force[i] = force[i] + (external[i] - included[i])
+        included[i] = external[i]
 
-    return SimpleNamespace(show=show, accelerate=accelerate, share=share, receive=receive, load=load)
+    return SimpleNamespace(
+        transfer_motion=transfer_motion,
+        accelerate=accelerate,
+        transfer_forces=transfer_forces,
+        apply_collisions=apply_collisions,
+        replace_force=replace_force,
+    )

@@ -1,7 +1,12 @@
-"""Acceleration of a fixed-point iteration x = H(x) by what earlier iterations have shown of H.
+"""The interface quasi-Newton method with an inverse Jacobian from a least-squares model (IQN-ILS).
 
-The interface quasi-Newton method with an inverse Jacobian from a least-squares model (IQN-ILS): the columns are
-differences of residuals H(x) - x and of values H(x), of the iterations of a step and of the last steps.
+It accelerates a fixed-point iteration x = H(x). With residuals r = H(x) - x, and the columns of V and W the differences
+of r and of H(x) between passes, of this step and of the last ones, the next iterate is
+
+    x = H(x) - W c,    c = argmin |V c - r|
+
+(Degroote, Bathe and Vierendeels 2009), solved by QR; columns that add little to those before them are filtered
+(Haelterman et al. 2016).
 
 References:
     Degroote, J., Bathe, K.-J. and Vierendeels, J., Computers & Structures 87 (2009) 793.
@@ -12,15 +17,15 @@ from __future__ import annotations
 
 import numpy as np
 
-# a column of which less than this is left, next to the longest, when those before it are taken out, is noise
+# a column is dropped if its diagonal entry in R is below this part of the largest
 FILTER = 1e-6
 
 
-class QuasiNewton:
-    """Finds the next x of a fixed-point iteration.
+class InterfaceQuasiNewton:
+    """Finds the next iterate of a fixed-point iteration.
 
     Args:
-        steps: Number of earlier steps whose columns are kept.
+        steps: Number of earlier steps whose columns are reused.
     """
 
     def __init__(self, steps: int) -> None:
@@ -30,29 +35,29 @@ class QuasiNewton:
         self._last: np.ndarray | None = None
 
     def add(self, x: np.ndarray, value: np.ndarray) -> None:
-        """Learn H(x), both of shape [n]."""
+        """Add a pass: x and H(x), both of shape [n]."""
         now = np.stack((value - x, value))
         if self._last is not None:
             self._columns.insert(0, now - self._last)
         self._last = now
 
-    def propose(self) -> np.ndarray:
-        """The next x, shape [n]; after the first iteration, and nothing learnt earlier, H(x)."""
+    def next_iterate(self) -> np.ndarray:
+        """The next iterate, shape [n]; H(x) while there are no columns."""
         assert self._last is not None
         residual, value = self._last
         known = [np.array(self._columns), *self._earlier] if self._columns else self._earlier
         if not known:
             return value
         columns = np.concatenate(known)[: len(residual)]
-        falls, moves = columns[:, 0].T, columns[:, 1].T
-        q, r = np.linalg.qr(falls)
+        v, w = columns[:, 0].T, columns[:, 1].T
+        q, r = np.linalg.qr(v)
         left = np.abs(np.diag(r))
         keep = left > FILTER * left.max()
         if not keep.any():
             return value
         if not keep.all():
-            q, r = np.linalg.qr(falls[:, keep])
-        return value - moves[:, keep] @ np.linalg.solve(r, q.T @ residual)
+            q, r = np.linalg.qr(v[:, keep])
+        return value - w[:, keep] @ np.linalg.solve(r, q.T @ residual)
 
     def end_step(self) -> None:
         """Keep the columns of the step that ends."""
@@ -62,12 +67,12 @@ class QuasiNewton:
         self._columns, self._last = [], None
 
     def forget(self) -> None:
-        """Drop what was learnt: H is another one."""
+        """Drop all columns: H is another one."""
         self._earlier, self._columns, self._last = [], [], None
 
     @property
     def memory(self) -> np.ndarray:
-        """What is kept of earlier steps, newest first, shape [columns, 2, n]; with `sizes`, for a checkpoint."""
+        """Columns of V and W of earlier steps, newest first, shape [columns, 2, n]; with `sizes`, for a checkpoint."""
         return np.concatenate(self._earlier) if self._earlier else np.zeros((0, 2, 0))
 
     @property
@@ -76,6 +81,6 @@ class QuasiNewton:
         return np.array([len(step) for step in self._earlier], int)
 
     def assign(self, memory: np.ndarray, sizes: np.ndarray) -> None:
-        """Take over what `memory` and `sizes` gave, between two steps."""
+        """Continue from what `memory` and `sizes` gave, between two steps."""
         self._earlier = [step.copy() for step in np.split(memory, np.cumsum(sizes)[:-1])] if len(sizes) else []
         self._columns, self._last = [], None

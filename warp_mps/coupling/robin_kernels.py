@@ -1,12 +1,22 @@
-"""Kernels of the exchange between water and elastic bodies.
+"""Kernels of the Robin term in the pressure Poisson equation.
 
-The water sees a body as a wall of markers (`warp_mps.coupling.interface`). The pressure Poisson equation sees a marker
-j by its acceleration a_j alone (`warp_mps.fluid.pressure.rows`): as -rho sum_j c a_j . x_ij on the right-hand side of a
-fluid particle i, c = laplacian * w; beside a flat face x_ij stands for x_ij - tilt_i, here and in what follows. How a_j
-answers to pressure is approximated by a mobility b_j, acceleration per force, with the forces V sum_l c p_l x_lj, which
-in a half-space are those of `warp_mps.fluid.gradient`: the matrix gets rho V sum_j b_j (c x_ij) . sum_l c p_l x_lj,
-symmetric and positive, and what it adds is gone where the iteration over both has converged (a Robin condition; Badia,
-Nobile and Vergara 2008).
+The fluid sees a body as a wall of markers j (`warp_mps.coupling.interface`). The pressure Poisson equation sees a
+marker by its acceleration a_j alone (`warp_mps.fluid.pressure.rows`): the right-hand side of a fluid particle i holds
+
+    -rho sum_j a_j . k_ij,    k_ij = c (x_ij - tilt_i),  c = laplacian w(r_ij)
+
+where tilt_i is 0 away from flat faces. How a_j answers to pressures p is approximated by a mobility b_j, acceleration
+per force, and the forces
+
+    F_j(p) = V sum_l p_l k_lj
+
+of the fluid particles l about the marker, which in a half-space are those of `warp_mps.fluid.gradient`. With
+a_j + b_j (F_j(p) - F0_j) in the place of a_j, F0 the linearization point, the matrix gets
+
+    rho V sum_j b_j k_ij . sum_l k_lj p_l
+
+which is symmetric and positive. Where F(p) = F0, to which the passes of a step converge, the term is gone: it is a
+Robin condition at the interface (Badia, Nobile and Vergara 2008).
 
 References:
     Badia, S., Nobile, F. and Vergara, C., Journal of Computational Physics 227 (2008) 7027.
@@ -14,6 +24,7 @@ References:
 
 import functools
 from types import SimpleNamespace
+from typing import Any
 
 import warp as wp
 
@@ -27,26 +38,44 @@ METHOD = "coupling"
 
 
 @functools.cache
-def coupling_kernels(types: NumericTypes) -> SimpleNamespace:
-    """Kernels `find_wet`, `stiffen`, `respond`, `answer`, `couple` and `couple_product`."""
+def robin_constants(types: NumericTypes) -> Any:
+    """The struct of the constants of the Robin term."""
     real, vec = types.real, types.vec
+
+    @wp.struct
+    class RobinConstants:
+        walls: wp.int32  # number of wall particles, of which the markers are the first
+        markers: wp.int32  # number of markers e
+        period: vec  # period along each axis [m], 0 where there is none
+        radius: real  # effective radius r_e [m]
+        spacing: real  # particle spacing l0 [m]
+        laplacian: real  # factor of the Laplacian [1/m^2]
+        density: real  # rho [kg/m^3]
+        volume: real  # volume V of a fluid particle [m^d]
+
+    return RobinConstants
+
+
+@functools.cache
+def robin_kernels(types: NumericTypes) -> SimpleNamespace:
+    """Kernels `mark_wet`, `add_diagonal`, `approximate_forces`, `offset_accelerations`, `add_rhs` and `add_product`."""
+    real, vec, constants_type = types.real, types.vec, robin_constants(types)
     displacement, weight = displacement_function(types), weight_function(types)
 
     @types.func(METHOD)
-    def arm(x_i: vec, x_j: vec, tilt: vec, period: vec, radius: real, spacing: real, laplacian: real) -> vec:
-        """The arm x_ij - tilt_i times c."""
-        x_ij = displacement(x_i, x_j, period)
+    def pair_vector(constants: constants_type, x_i: vec, x_j: vec, tilt: vec) -> vec:
+        """k_ij = c (x_ij - tilt_i) of a fluid particle i and a marker j [1/m], 0 beyond the effective radius."""
+        x_ij = displacement(x_i, x_j, constants.period)
         square = wp.dot(x_ij, x_ij)
-        if square >= radius * radius:
+        if square >= constants.radius * constants.radius:
             return vec()
-        r = wp.max(wp.sqrt(square), real(CLOSEST) * spacing)
-        return (laplacian * weight(r, radius)) * (x_ij - tilt)
+        r = wp.max(wp.sqrt(square), real(CLOSEST) * constants.spacing)
+        return (constants.laplacian * weight(r, constants.radius)) * (x_ij - tilt)
 
     @types.kernel(METHOD)
-    def find_wet(
+    def mark_wet(
         # Model:
-        walls: wp.int32,
-        markers: wp.int32,
+        constants: constants_type,
         listed: wp.array(dtype=wp.int32, ndim=2),
         count: wp.array(dtype=wp.int32),
         # Out:
@@ -54,24 +83,17 @@ def coupling_kernels(types: NumericTypes) -> SimpleNamespace:
     ):
         """Whether a fluid particle has a marker among its neighbours: the others are passed over in every product."""
         k = wp.tid()
-        i = k + walls
+        i = k + constants.walls
         found = wp.int32(0)
         for m in range(count[i]):
-            if listed[i, m] < markers:
+            if listed[i, m] < constants.markers:
                 found = 1
         wet_out[k] = found
 
     @types.kernel(METHOD)
-    def stiffen(
+    def add_diagonal(
         # Model:
-        walls: wp.int32,
-        markers: wp.int32,
-        period: vec,
-        radius: real,
-        spacing: real,
-        laplacian: real,
-        density: real,
-        volume: real,
+        constants: constants_type,
         listed: wp.array(dtype=wp.int32, ndim=2),
         count: wp.array(dtype=wp.int32),
         wet: wp.array(dtype=wp.int32),
@@ -82,32 +104,27 @@ def coupling_kernels(types: NumericTypes) -> SimpleNamespace:
         # State in and out:
         diagonal: wp.array(dtype=real),
         # Out:
-        own_out: wp.array(dtype=real),
+        added_out: wp.array(dtype=real),
     ):
-        """The diagonal of the markers' answer, added to that of the matrix."""
+        """Add rho V sum_j b_j k_ij . k_ij to the diagonal of the matrix."""
         k = wp.tid()
         if wet[k] == 0:
             return
-        i = k + walls
+        i = k + constants.walls
         x_i = x[i]
         total = real(0.0)
         for m in range(count[i]):
             j = listed[i, m]
-            if j < markers:
-                c = arm(x_i, x[j], tilt[k], period, radius, spacing, laplacian)
-                total += mobility[j] * wp.dot(c, c)
-        own_out[k] = density * volume * total
-        diagonal[k] = diagonal[k] + density * volume * total
+            if j < constants.markers:
+                k_ij = pair_vector(constants, x_i, x[j], tilt[k])
+                total += mobility[j] * wp.dot(k_ij, k_ij)
+        added_out[k] = constants.density * constants.volume * total
+        diagonal[k] = diagonal[k] + constants.density * constants.volume * total
 
     @types.kernel(METHOD)
-    def respond(
+    def approximate_forces(
         # Model:
-        walls: wp.int32,
-        period: vec,
-        radius: real,
-        spacing: real,
-        laplacian: real,
-        volume: real,
+        constants: constants_type,
         listed: wp.array(dtype=wp.int32, ndim=2),
         count: wp.array(dtype=wp.int32),
         # State in:
@@ -119,78 +136,66 @@ def coupling_kernels(types: NumericTypes) -> SimpleNamespace:
         # Out:
         force_out: wp.array(dtype=vec),
     ):
-        """Approximate force on a marker: of pressures in a fresh pass of the solver, else of a search direction."""
+        """Forces F_j = V sum_l p_l k_lj: of pressures p in a fresh pass of the solver, else of a search direction."""
         j = wp.tid()
         x_j = x[j]
         total = vec()
         for m in range(count[j]):
             i = listed[j, m]
-            value = direction[i - walls]
+            value = direction[i - constants.walls]
             if control[RESTART] != 0:
-                value = p[i - walls]
-            total += real(value) * arm(x[i], x_j, tilt[i - walls], period, radius, spacing, laplacian)
-        force_out[j] = volume * total
+                value = p[i - constants.walls]
+            total += real(value) * pair_vector(constants, x[i], x_j, tilt[i - constants.walls])
+        force_out[j] = constants.volume * total
 
     @types.kernel(METHOD)
-    def answer(
+    def offset_accelerations(
         # State in:
         mobility: wp.array(dtype=real),
-        force: wp.array(dtype=vec),
+        linearization: wp.array(dtype=vec),
         a: wp.array(dtype=vec),
         # Out:
-        answer_out: wp.array(dtype=vec),
+        offset_out: wp.array(dtype=vec),
     ):
-        """Part of the markers' accelerations that the matrix answers for, less the accelerations."""
+        """b_j F0_j - a_j: the constant part of the accelerations a_j + b_j (F_j(p) - F0_j), with its sign turned."""
         j = wp.tid()
-        answer_out[j] = mobility[j] * force[j] - a[j]
+        offset_out[j] = mobility[j] * linearization[j] - a[j]
 
     @types.kernel(METHOD)
-    def couple(
+    def add_rhs(
         # Model:
-        walls: wp.int32,
-        markers: wp.int32,
-        period: vec,
-        radius: real,
-        spacing: real,
-        laplacian: real,
-        density: real,
+        constants: constants_type,
         listed: wp.array(dtype=wp.int32, ndim=2),
         count: wp.array(dtype=wp.int32),
         wet: wp.array(dtype=wp.int32),
         # State in:
         x: wp.array(dtype=vec),
         tilt: wp.array(dtype=vec),
-        answer: wp.array(dtype=vec),
+        offset: wp.array(dtype=vec),
         # State in and out:
         rhs: wp.array(dtype=wp.float64),
     ):
-        """Add what accelerations of the markers do to the rows of the fluid about them."""
+        """Add rho sum_j k_ij . (b_j F0_j - a_j) to the right-hand side."""
         k = wp.tid()
         if wet[k] == 0:
             return
-        i = k + walls
+        i = k + constants.walls
         x_i = x[i]
         total = real(0.0)
         for m in range(count[i]):
             j = listed[i, m]
-            if j < markers:
-                total += wp.dot(arm(x_i, x[j], tilt[k], period, radius, spacing, laplacian), answer[j])
-        rhs[k] = rhs[k] + wp.float64(density * total)
+            if j < constants.markers:
+                total += wp.dot(pair_vector(constants, x_i, x[j], tilt[k]), offset[j])
+        rhs[k] = rhs[k] + wp.float64(constants.density * total)
 
     @types.kernel(METHOD)
-    def couple_product(
+    def add_product(
         # Model:
-        walls: wp.int32,
-        markers: wp.int32,
-        period: vec,
-        radius: real,
-        spacing: real,
-        laplacian: real,
-        density: real,
+        constants: constants_type,
         listed: wp.array(dtype=wp.int32, ndim=2),
         count: wp.array(dtype=wp.int32),
         wet: wp.array(dtype=wp.int32),
-        own: wp.array(dtype=real),
+        added: wp.array(dtype=real),
         mobility: wp.array(dtype=real),
         # State in:
         control: wp.array(dtype=wp.int32),
@@ -202,22 +207,27 @@ def coupling_kernels(types: NumericTypes) -> SimpleNamespace:
         # State in and out:
         q: wp.array(dtype=wp.float64),
     ):
-        """Add the markers' answer to a product with the matrix, whose diagonal holds it already."""
+        """Add rho sum_j b_j k_ij . F_j to a product with the matrix, less the part that its diagonal holds already."""
         k = wp.tid()
         if wet[k] == 0:
             return
-        i = k + walls
+        i = k + constants.walls
         x_i = x[i]
         total = real(0.0)
         for m in range(count[i]):
             j = listed[i, m]
-            if j < markers:
-                total += mobility[j] * wp.dot(arm(x_i, x[j], tilt[k], period, radius, spacing, laplacian), force[j])
+            if j < constants.markers:
+                total += mobility[j] * wp.dot(pair_vector(constants, x_i, x[j], tilt[k]), force[j])
         value = direction[k]
         if control[RESTART] != 0:
             value = p[k]
-        q[k] = q[k] + wp.float64(density * total) - wp.float64(own[k]) * value
+        q[k] = q[k] + wp.float64(constants.density * total) - wp.float64(added[k]) * value
 
     return SimpleNamespace(
-        find_wet=find_wet, stiffen=stiffen, respond=respond, answer=answer, couple=couple, couple_product=couple_product
+        mark_wet=mark_wet,
+        add_diagonal=add_diagonal,
+        approximate_forces=approximate_forces,
+        offset_accelerations=offset_accelerations,
+        add_rhs=add_rhs,
+        add_product=add_product,
     )

@@ -1,19 +1,19 @@
 """A strongly coupled step of fluid and elastic bodies (partitioned: each is solved by its own method).
 
-A step predicts the fluid and the places of the markers, and assembles the pressure Poisson equation as if the markers
-kept their velocities. It then looks for the forces F on the markers that agree with the pressures that the bodies' own
-motion makes under them, by fixed-point passes
+A step predicts the fluid and the positions of the markers, and assembles the pressure Poisson equation as if the markers
+kept their velocities. It then finds the forces F on the markers that are those of the pressures which the bodies' motion
+under F causes, by fixed-point passes
 
     F -> the bodies over the step -> the markers' accelerations a -> pressures -> F'
 
-An incompressible fluid moves with a light body as if it were a part of it, and these passes alone diverge, however
-short the step (the added mass; Causin, Gerbeau and Nobile 2005). Two things make them converge in some two passes: a
-Robin term in the equation, which knows about how the markers will answer (`warp_mps.coupling.robin`), and an interface
-quasi-Newton method, which learns the rest (`warp_mps.coupling.iqn_ils`). The iterated unknown is F together with the
-linearization point of the Robin term.
+An incompressible fluid adds its mass to that of a light body, and these passes alone diverge, however short the step
+(Causin, Gerbeau and Nobile 2005). Two things make them converge in about two passes: a Robin term in the equation, which
+approximates the response of the markers (`warp_mps.coupling.robin`), and an interface quasi-Newton method, which learns
+the rest (`warp_mps.coupling.iqn_ils`). The iterated unknown is F together with the linearization point of the Robin
+term.
 
-The pressure is that which keeps the density with the bodies' velocity at the END of the step; the bodies' own rule must
-damp what it cannot resolve, as the theta rule does, or these velocities ring.
+The pressure keeps the density with the bodies' velocity at the END of the step. The time integration of the bodies must
+damp modes that it cannot resolve, as the theta rule does, or these velocities oscillate.
 
 References:
     Causin, P., Gerbeau, J.-F. and Nobile, F., Comput. Methods Appl. Mech. Engrg. 194 (2005) 4506.
@@ -30,7 +30,7 @@ import warp as wp
 
 from warp_mps.coupling.added_mass import Mobility
 from warp_mps.coupling.interface import Markers
-from warp_mps.coupling.iqn_ils import QuasiNewton
+from warp_mps.coupling.iqn_ils import InterfaceQuasiNewton
 from warp_mps.coupling.robin import RobinTerm
 from warp_mps.coupling.statistics import CouplingStatistics
 from warp_mps.coupling.structures import Structure
@@ -38,12 +38,12 @@ from warp_mps.errors import RunError
 from warp_mps.fluid.failures import LARGEST_SPEED, MOST_UNSOLVED
 from warp_mps.fluid.fluids import Fluids
 
-# passes have converged when the forces on the markers change by no more than this part of themselves
+# change of the forces on the markers in a pass, relative to them, at which the passes have converged
 TOLERANCE = 1e-3
 MOST_PASSES = 20
-# steps whose passes the quasi-Newton method remembers
-REMEMBERED = 16
-# how much longer a step may be than the fastest particle asks for, where it is one of the bodies' already
+# earlier steps whose passes the quasi-Newton method reuses
+REUSED_STEPS = 16
+# how much longer than the CFL condition allows a step may be that is a single sub-step of the bodies
 LARGEST_STRETCH = 5.0
 
 
@@ -83,7 +83,7 @@ class CoupledStep:
         self._unused_work = wp.zeros(e, dtype=wp.float64, device=device)
         free = ~structure.solid.boundary.held[: markers.elastic]
         self._free = wp.array(free, dtype=types.vec, device=device)
-        self._quasi_newton = QuasiNewton(REMEMBERED)
+        self._quasi_newton = InterfaceQuasiNewton(REUSED_STEPS)
         self.mobility = Mobility(markers, types=types, device=device)
         self.robin = RobinTerm(self._fluid, e, self.mobility.array)
         # the first guess of a step, and the last change in it: forces, and the linearization point
@@ -101,7 +101,7 @@ class CoupledStep:
             self.measure_mobility(end)
         self.replay("robin diagonal", self.robin.add_to_diagonal)
         forces = self._iterate(end)
-        # the bodies feel exactly what the fluid does
+        # the bodies take the step under exactly the forces of the last pressures
         self._advance_structure(forces, end)
         self.replay("correct", self.correct)
         self._guess = forces
@@ -113,11 +113,11 @@ class CoupledStep:
             RunError: A particle is infinitely fast, or too fast for the bodies' steps.
         """
         time_step, now = self._fluid.time_step, self._fluid.state.now
-        target, wish = float(time_step.target.numpy()[0]), float(time_step.dt.numpy()[0])
-        dt, left = self._structure.fit(wish, target - now) if wish > 0.0 else (math.inf, 0)
-        if dt > LARGEST_SPEED * wish:
-            raise RunError(f"at t = {now:.6g} s: {self._failures.describe_fastest()}: time stands still")
-        if dt > LARGEST_STRETCH * wish:
+        target, longest = float(time_step.target.numpy()[0]), float(time_step.dt.numpy()[0])
+        dt, left = self._structure.fit_time_step(longest, target - now) if longest > 0.0 else (math.inf, 0)
+        if dt > LARGEST_SPEED * longest:
+            raise RunError(f"at t = {now:.6g} s: {self._failures.describe_fastest()}: time step underflow")
+        if dt > LARGEST_STRETCH * longest:
             reason = f"the bodies' explicit steps of {dt:.3g} s are too long for it; shorten the time step of the scene"
             raise RunError(f"at t = {now:.6g} s: {self._failures.describe_fastest()}: {reason}")
         return time_step.replace(dt, left)
@@ -137,7 +137,7 @@ class CoupledStep:
         self.robin.begin()
 
     def measure_mobility(self, end: float) -> None:
-        """Measure how the bodies answer to a uniform pressure more, and to one that grows along an axis.
+        """Measure the mobility of the bodies, under a uniform pressure and pressures that grow along an axis.
 
         Args:
             end: Time at the end of the step [s].
@@ -151,30 +151,36 @@ class CoupledStep:
         self._quasi_newton.forget()
 
     def correct(self) -> None:
-        """Launch the corrector and collisions, with the bodies where they have come to, and end the step."""
+        """Launch the corrector and collisions, with the bodies at their new positions, and end the step."""
         fluid, structure = self._fluid, self._structure
         fluid.correct()
         self._transfer_motion(self._zero)
         fluid.collide()
         fluid.advance_clock()
-        solid = structure.solid.state
-        inputs = [fluid.time_step.dt, self._impulse_before, fluid.state.impulse, structure.external, self._u_before]
-        self._markers.receive_collisions(self._free, [*inputs, solid.u], [solid.v, *self.works])
+        self._markers.apply_collisions(
+            structure.solid.state,
+            self.works,
+            free=self._free,
+            dt=fluid.time_step.dt,
+            impulses=(self._impulse_before, fluid.state.impulse),
+            external=structure.external,
+            u_before=self._u_before,
+        )
         self._transfer_motion(self._zero)
 
     def place_markers(self) -> None:
-        """Launch the places and velocities of the markers, as the bodies are now."""
+        """Launch the positions and velocities of the markers, as the bodies are now."""
         self._transfer_motion(self._zero)
 
     def find_failure(self, left: int) -> str | None:
         """Why no further step makes sense, if none does; see `FluidFailures.after_step`."""
-        steps = self.statistics.at_odds
+        steps = self.statistics.diverged
         if steps < MOST_UNSOLVED:
             return self._failures.after_step(left)
         k = int(np.argmax(np.linalg.norm(self._change, axis=1)))
         return (
-            f"water and bodies were at odds in {steps} steps in a row: the forces on the bodies still change by "
-            f"{self.statistics.last_residual:.3g} of themselves, and most at {self._failures.describe(k)}"
+            f"the coupling of water and bodies did not converge in {steps} steps in a row: the forces on the bodies still "
+            f"change by {self.statistics.last_residual:.3g} of themselves, and most at {self._failures.describe(k)}"
         )
 
     def arrays(self) -> dict[str, np.ndarray]:
@@ -207,18 +213,18 @@ class CoupledStep:
             found = np.stack((self.pressure_force.numpy(), self.robin.forces.numpy().astype(float)))
             scale = float(np.linalg.norm(found))
             if not math.isfinite(scale):
-                reason = "the forces between water and bodies are no numbers any more"
+                reason = "the forces between water and bodies are not finite"
                 raise RunError(f"at t = {self._fluid.state.now:.6g} s: {self._describe_divergence()}: {reason}")
             residual = float(np.linalg.norm(found - forces)) / scale if scale > 0.0 else 0.0
             self._quasi_newton.add(forces.ravel(), found.ravel())
             if residual <= TOLERANCE:
                 break
             if count < MOST_PASSES:
-                forces = self._quasi_newton.propose().reshape(forces.shape)
+                forces = self._quasi_newton.next_iterate().reshape(forces.shape)
         self._change = found[0] - forces[0]
         self._quasi_newton.end_step()
         self.mobility.note_passes(count)
-        self.statistics.add(count, residual, agreed=residual <= TOLERANCE)
+        self.statistics.add(count, residual, converged=residual <= TOLERANCE)
         return found
 
     def _describe_divergence(self) -> str:

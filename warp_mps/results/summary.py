@@ -49,8 +49,8 @@ class RunSummary:
         implicit: Of a static analysis and of implicit steps, what the solvers did: `equilibria` solved,
             Newton iterations, iterations of the linear solver, renewals of its coarse level, largest residual
             relative to the forces.
-        coupling: Of water and bodies together: mean and largest number of `passes` of a step until they agreed, steps
-            after which they `disagreed` and the largest residual of a step, since the start or the last time the run
+        coupling: Of water and bodies together: mean and largest number of fixed-point `passes` of a step, steps
+            that stayed `unconverged`, the largest residual of a step, since the start or the last time the run
             was resumed, and the work of the water on the bodies [J].
         measurements: Results; see :func:`measurement_rows`.
     """
@@ -221,7 +221,7 @@ def _account(summary: RunSummary) -> str:
     text = f"{summary.fluid.get('pressure_iterations', 0.0):.3g} iterations a pressure solve"
     text += f", {unsolved} UNSOLVED" if unsolved else ""
     if summary.coupling:
-        disagreed = int(summary.coupling.get("disagreed", 0))
+        unconverged = int(summary.coupling.get("unconverged", 0))
         text += f", {summary.coupling.get('passes', 0.0):.3g} passes a step between water and bodies"
-        text += f", {disagreed} steps DISAGREED" if disagreed else ""
+        text += f", {unconverged} steps UNCONVERGED" if unconverged else ""
     return text + (f", {lost} particles lost" if lost else "")
