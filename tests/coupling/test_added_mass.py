@@ -43,7 +43,7 @@ def test_a_free_body_moves_as_a_whole(way: dict) -> None:
     water = scene.fluids[0]
     shape = replace(water.shape, positions=water.shape.positions[water.shape.positions[:, 1] > 5 * L0])
     system, found = measured(replace(scene, fluids=(replace(water, shape=shape),)))
-    forces = system.step.robin.forces_of(np.ones(system.fluids.model.count))
+    forces = system.step.passes.robin.forces_of(np.ones(system.fluids.model.count))
     mass = system.markers.masses.sum()
     uniform = float(np.sum(forces.sum(axis=0) ** 2) / (mass * np.sum(forces**2)))
     assert found.min() == found.max()
@@ -60,7 +60,7 @@ def test_a_body_in_the_midst_of_water_is_moved_by_gradients(way: dict) -> None:
     x = fluids.state.x.numpy()[fluids.model.walls :]
     bounds = []
     for values in (np.ones(len(x)), *(x - x.mean(axis=0)).T):
-        forces = system.step.robin.forces_of(values)
+        forces = system.step.passes.robin.forces_of(values)
         bounds.append(float(np.sum(forces.sum(axis=0) ** 2) / (mass * np.sum(forces**2))))
     free = 1.0 / system.markers.masses[0]
     assert bounds[0] < LEAST * free

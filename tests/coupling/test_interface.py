@@ -113,8 +113,8 @@ def test_a_force_goes_to_the_particles_with_its_moment(dimension: int, ratio: in
     solid.u.assign(0.005 * rng.uniform(-1.0, 1.0, solid.u.numpy().shape))
     system.step.place_markers()
     force = rng.normal(size=(markers.count, dimension))
-    system.step.force.assign(force)
-    markers.transfer_forces(system.step.force, system.structure.external)
+    system.step.passes.force.assign(force)
+    markers.transfer_forces(system.step.passes.force, system.structure.external)
     external = system.structure.external.numpy()[: markers.elastic]
     np.testing.assert_allclose(external, markers.distribute(force), rtol=1e-12)
     x = system.particles.positions[: markers.elastic] + solid.u.numpy()[: markers.elastic]

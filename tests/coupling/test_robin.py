@@ -24,7 +24,7 @@ def stirred(dimension: int, precision: str, *, ratio: int = 1, place: str = "hun
     system = system_of(PLACES[place](dimension, ratio=ratio), precision=precision)
     stir(system.fluids)
     assemble(system)
-    system.step.robin.begin()
+    system.step.passes.robin.begin()
     rng = np.random.default_rng(1)
     free = 1.0 / system.markers.masses
     system.step.mobility.array.assign(rng.uniform(0.1, 1.0, len(free)) * free)
@@ -60,7 +60,7 @@ def product(system: Hydroelastic, p: np.ndarray, *, fresh: bool) -> np.ndarray:
     q, other = doubles(np.zeros(len(p))), doubles(np.full(len(p), np.nan))
     control = wp.full(CONTROLS, int(fresh), dtype=wp.int32, device="cpu")
     both = (doubles(p), other) if fresh else (other, doubles(p))
-    system.step.robin.multiply(control, *both, q)
+    system.step.passes.robin.multiply(control, *both, q)
     return q.numpy()
 
 
@@ -68,7 +68,7 @@ def product(system: Hydroelastic, p: np.ndarray, *, fresh: bool) -> np.ndarray:
 @pytest.mark.parametrize(("dimension", "precision"), KINDS)
 def test_products_are_those_of_the_dense_matrix(dimension: int, precision: str, place: str) -> None:
     system = stirred(dimension, precision, place=place)
-    pressure, robin = system.fluids.step.pressure, system.step.robin
+    pressure, robin = system.fluids.step.pressure, system.step.passes.robin
     assert pressure.tilt.numpy()[robin.wet.numpy() == 1].any() or place == "hung"
     dense, near = answers(system), tolerance(precision)
     before = pressure.matrix.diagonal.numpy().astype(float)
@@ -93,7 +93,7 @@ def test_products_are_those_of_the_dense_matrix(dimension: int, precision: str, 
 def test_the_answer_is_symmetric_and_takes_no_energy_from_nowhere(dimension: int, place: str) -> None:
     """As the device has it, column by column: eigenvalues are not negative, and dry rows are empty."""
     system = stirred(dimension, "float64", place=place)
-    robin = system.step.robin
+    robin = system.step.passes.robin
     robin.diagonal.zero_()
     robin.add_to_diagonal()
     m, own = system.fluids.model.count, robin.diagonal.numpy()
@@ -113,7 +113,7 @@ def test_right_hand_side_and_forces(dimension: int, precision: str, place: str, 
     """-rho sum_j c (a_j - b_j F_j) . x_ij about markers that accelerate, and F = V sum_l c p_l x_lj on them."""
     system = stirred(dimension, precision, ratio=ratio, place=place)
     rng, near, e, c = np.random.default_rng(3), tolerance(precision), system.markers.count, arms(system)
-    m, state, robin = system.fluids.model.count, system.fluids.state, system.step.robin
+    m, state, robin = system.fluids.model.count, system.fluids.state, system.step.passes.robin
     p, force, a = rng.uniform(size=m), rng.normal(size=(e, dimension)), rng.normal(size=(e, dimension))
     expected = system.fluids.model.volume * np.einsum("kjd,k->jd", c, p)
     np.testing.assert_allclose(robin.forces_of(p), expected, atol=10.0 * near * np.abs(expected).max())
@@ -135,7 +135,7 @@ def test_markers_that_accelerate_are_walls_that_do(dimension: int, place: str) -
         system.markers.count,
         system.fluids.state,
         system.fluids.step.pressure,
-        system.step.robin,
+        system.step.passes.robin,
     )
     still = pressure.rhs.numpy().copy()
     a = np.zeros(state.x.numpy().shape)
@@ -160,7 +160,8 @@ def test_approximate_forces_carry_the_pressure() -> None:
     They need not agree marker by marker: what the equation answers for is gone where all agrees.
     """
     system = system_of(pool(lump([0, 0], [14, 4]), cells=(14, 12), gravity=(0.0, 0.0)))
-    fluid, e, robin, forces = system.fluids.step, system.markers.count, system.step.robin, system.step.pressure_force
+    fluid, e = system.fluids.step, system.markers.count
+    robin, forces = system.step.passes.robin, system.step.passes.pressure_force
     assemble(system)
     pressure = 3000.0
     fluid.state.p.fill_(pressure)

@@ -225,7 +225,7 @@ def test_passes_that_do_not_converge(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """As where a body is much lighter than the water, and there is one pass a step alone."""
-    monkeypatch.setattr("warp_mps.coupling.step.MOST_PASSES", 1)
+    monkeypatch.setattr("warp_mps.coupling.passes.MOST_PASSES", 1)
     line = failed(gate(density=50.0), tmp_path, capsys)
     assert re.search(
         rf"at t = 0\.\d+ s: the coupling of water and bodies did not converge in {MOST_UNSOLVED} steps in a row", line

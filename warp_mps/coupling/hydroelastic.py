@@ -201,7 +201,7 @@ class Hydroelastic:
     def record(self) -> dict[str, dict[str, float]]:
         """What the solvers did so far."""
         work = {"work_on_bodies": float(sum(work.numpy().sum() for work in self.step.works))}
-        coupling = {**self.step.statistics.record(), **work}
+        coupling = {**self.step.passes.statistics.record(), **work}
         solver = self.solid.record() if isinstance(self.solid, ImplicitSolid) else {}
         return {**self.fluids.record(), **solver, "coupling": coupling}
 

@@ -98,10 +98,10 @@ def _measure(scene: Scene, precision: str, device: str) -> list[str]:
     system, p = simulation._system, simulation.particles
     assert isinstance(system, Hydroelastic)
     simulation.advance(WARM)
-    before, steps, passes = system.fluids.statistics(), simulation.steps_done, system.step.statistics.passes
+    before, steps, passes = system.fluids.statistics(), simulation.steps_done, system.step.passes.statistics.passes
     seconds = min(_interval(simulation) for _ in range(MEASURED))
     after = system.fluids.statistics()
-    done, passes = simulation.steps_done - steps, system.step.statistics.passes - passes
+    done, passes = simulation.steps_done - steps, system.step.passes.statistics.passes - passes
     return [
         f"{scene.dimension}-D",
         f"{p.liquid}",
@@ -138,13 +138,13 @@ def _shares(simulation: Simulation, system: Hydroelastic) -> str:
 
         return run
 
-    step, structure = system.step, system.structure
-    replay, advance = step.replay, structure.advance
-    step.replay = timed(lambda name, _: PARTS.get(name), replay)  # type: ignore[assignment]
+    passes, structure = system.step.passes, system.structure
+    replay, advance = passes.replay, structure.advance
+    passes.replay = timed(lambda name, _: PARTS.get(name), replay)  # type: ignore[assignment]
     structure.advance = timed(lambda _: "structure", advance)  # type: ignore[method-assign]
     begin = time.perf_counter()
     simulation.advance(1)
     whole = time.perf_counter() - begin
-    step.replay, structure.advance = replay, advance  # type: ignore[method-assign]
+    passes.replay, structure.advance = replay, advance  # type: ignore[method-assign]
     times["exchange"] = whole - sum(times.values())
     return ", ".join(f"{name} {100.0 * value / whole:.0f} %" for name, value in times.items())
