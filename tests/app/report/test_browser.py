@@ -66,7 +66,7 @@ def test_a_plane_is_drawn_and_played(browser: Browser, tmp_path: Path) -> None:
     page.click("#play")
     assert page.run("report.player.playing")
     page.run(
-        "new Promise((done) => { const options = () => report.scene.frame !== 1 ? done()"
+        "new Promise((done) => { const look = () => report.scene.frame !== 1 ? done()"
         " : requestAnimationFrame(look); look(); })"
     )
     page.click("#play")
@@ -79,7 +79,7 @@ def test_the_page_unpacks_what_was_written(browser: Browser, tmp_path: Path) -> 
     write_run(tmp_path)
     page = show(browser, tmp_path)
     animation = Animation(tmp_path)
-    page.run("report.controls.choose_colouring('pressure')")
+    page.run("report.controls.choose('pressure')")
     for frame in range(3):
         page.run(f"report.player.go({frame})")
         drawn = page.run("[...Array(8).keys()].map((i) => report.scene.place(report.scene.clouds[0], i).slice(0, 2))")
@@ -94,7 +94,7 @@ def test_the_page_unpacks_what_was_written(browser: Browser, tmp_path: Path) -> 
 def test_particles_and_diagrams_are_read_by_pointing(browser: Browser, tmp_path: Path) -> None:
     write_run(tmp_path)
     page = show(browser, tmp_path)
-    page.run("Promise.all([report.controls.choose_colouring('pressure'), report.player.go(2)])")
+    page.run("Promise.all([report.controls.choose('pressure'), report.player.go(2)])")
     box = page.run(
         "(() => { const b = report.scene.canvas.getBoundingClientRect(); return [b.x, b.y, b.width, b.height] })()"
     )
@@ -174,7 +174,7 @@ def camera(page: Browser) -> dict[str, Any]:
 def test_colours_stand_for_what_is_asked(browser: Browser, tmp_path: Path) -> None:
     write_run(tmp_path)
     page = show(browser, tmp_path)
-    page.run("report.controls.choose_colouring('pressure')")
+    page.run("report.controls.choose('pressure')")
     marks = "[...document.querySelectorAll('#colorbar text')].map((item) => item.textContent)"
     assert page.run(marks) == ["0", "200", "400", "600", "800"]
     page.click("#now")
@@ -192,7 +192,7 @@ def test_colours_stand_for_what_is_asked(browser: Browser, tmp_path: Path) -> No
     page.run("document.querySelector('#lowest').dispatchEvent(new Event('change'))")
     assert page.run("report.colors.range") == [100.0, 500.0]
     assert page.run("document.querySelector('#lowest').classList.contains('wrong')")
-    page.run("report.controls.choose_colouring('')")
+    page.run("report.controls.choose('')")
     assert page.run("document.querySelector('#colorbar').textContent") == ""
     assert page.console == []
 
