@@ -62,15 +62,15 @@ def test_a_picture_is_a_file_of_the_size_that_was_asked_for(plane: Path, capsys:
 def test_the_headline_has_the_time_or_the_load_factor(plane: Path) -> None:
     animation = Animation(plane)
     painter = Painter(animation)
-    assert [painter._moment(frame) for frame in range(3)] == ["t = 0.00 s", "t = 0.01 s", "t = 0.02 s"]
+    assert [painter.time_label(frame) for frame in range(3)] == ["t = 0.00 s", "t = 0.01 s", "t = 0.02 s"]
     animation.provenance = {**animation.provenance, "analysis": "static"}
-    assert painter._moment(1) == "load factor 0.01"
+    assert painter.time_label(1) == "load factor 0.01"
 
 
 def test_particles_are_where_the_camera_has_them_in_the_colours_of_their_values(plane: Path) -> None:
     animation = Animation(plane)
     painter = Painter(animation, PictureOptions(size=(720, 480)))
-    image, seen = painter.draw(2) / 255.0, painter._spheres(2)
+    image, seen = painter.draw(2) / 255.0, painter.spheres(2)
     middles = (seen.centres / 2.0).astype(int)
     assert painter.colourings[0].name == "von_mises"
     colors = np.concatenate([painter.colourings[0].colors(animation, cloud, 2) for cloud in (0, 1)])
@@ -86,7 +86,7 @@ def test_particles_are_where_the_camera_has_them_in_the_colours_of_their_values(
 def test_frames_differ_by_what_moved(plane: Path) -> None:
     first, last = painted(plane, 0), painted(plane, 2)
     changed = np.abs(first - last).max(axis=2) > 8
-    below = Painter(Animation(plane), PictureOptions(size=(360, 240)))._spheres(0).centres[8:, 1].min() / 2.0
+    below = Painter(Animation(plane), PictureOptions(size=(360, 240))).spheres(0).centres[8:, 1].min() / 2.0
     # the block and the time change, the floor does not
     assert changed[: int(below) - 8].any()
     assert not changed[int(below) : 205].any()
@@ -96,12 +96,12 @@ def test_a_nearer_body_hides_a_farther_one_and_walls_before_it_are_of_glass(spac
     """From below the floor stands before the block, which is seen through it; from above it is the other way."""
 
     def glass(view: tuple[float, float, float]) -> list[int]:
-        return Painter(Animation(space), PictureOptions(size=(360, 240), view=view))._glass
+        return Painter(Animation(space), PictureOptions(size=(360, 240), view=view)).transparent_walls
 
     assert glass((0.3, -1.0, 0.2)) == [1]
     assert glass((0.3, 1.0, 0.2)) == []
     painter = Painter(Animation(space), PictureOptions(size=(360, 240), view=(0.0, 1.0, 1e-3), colour="body"))
-    image, seen = painter.draw(0).astype(int), painter._spheres(0)
+    image, seen = painter.draw(0).astype(int), painter.spheres(0)
     assert seen.depths[16:].min() > seen.depths[:16].max()
     hues = {"hidden": set(), "seen": set()}  # type: ignore[var-annotated]
     for centre in seen.centres[16:]:
@@ -122,11 +122,11 @@ def test_the_direction_of_view_turns_the_picture(space: Path) -> None:
 def test_everything_is_in_the_picture(space: Path, view: tuple[float, float, float] | None) -> None:
     painter = Painter(Animation(space), PictureOptions(size=(400, 300), view=view))
     for frame in range(3):
-        seen = painter._spheres(frame)
+        seen = painter.spheres(frame)
         low, high = (seen.centres - seen.radii[:, None]).min(axis=0), (seen.centres + seen.radii[:, None]).max(axis=0)
         assert (low > 0).all()
         assert (high < [800, 600]).all()
-    assert np.ptp(painter._spheres(0).centres[:, 0]) > 250 or np.ptp(painter._spheres(0).centres[:, 1]) > 250
+    assert np.ptp(painter.spheres(0).centres[:, 0]) > 250 or np.ptp(painter.spheres(0).centres[:, 1]) > 250
 
 
 def test_limits_of_colours() -> None:
@@ -184,8 +184,8 @@ def test_in_coupled_runs_water_has_its_pressure_and_bodies_their_stress(coupled:
     assert (water.label, bodies.label) == ("pressure, fluid [Pa]", "von Mises stress, bodies [kPa]")
     assert bodies.colormap is not water.colormap
     both = Painter(animation)
-    assert np.array_equal(both._colors(0, 0), bodies.colors(animation, 0, 0))
-    assert np.array_equal(both._colors(1, 0), water.colors(animation, 1, 0))
+    assert np.array_equal(both.colors(0, 0), bodies.colors(animation, 0, 0))
+    assert np.array_equal(both.colors(1, 0), water.colors(animation, 1, 0))
     # whichever of the two is asked for, the limits are its own
     for name, own in (("pressure", 0), ("von_mises", 1)):
         found = choose_colourings(animation, name, (1.0, 2.0))

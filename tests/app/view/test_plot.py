@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from warp_mps.app.cli import main
 from warp_mps.app.view.panels import panels
-from warp_mps.app.view.plot import _draw
+from warp_mps.app.view.plot import draw_figure
 from warp_mps.results.history import TIME_LABEL, History, energy_labels, write_history
 from warp_mps.results.summary import RunSummary
 
@@ -54,12 +54,12 @@ def test_components_share_a_diagram_where_that_shows_them() -> None:
 def test_references_beyond_the_history_are_not_drawn() -> None:
     whole = history()
     short = History(whole.labels, whole.rows[:5])
-    assert set(drawn(_draw(short, summary()), 0)) == {"x", "y", "reference"}
-    assert drawn(_draw(short, summary()), 0)["reference"].tolist() == [[0.4, 0.2]]
+    assert set(drawn(draw_figure(short, summary()), 0)) == {"x", "y", "reference"}
+    assert drawn(draw_figure(short, summary()), 0)["reference"].tolist() == [[0.4, 0.2]]
 
 
 def test_only_references_that_are_values_of_the_probe_are_drawn() -> None:
-    lines = drawn(_draw(history(), summary()), 0)
+    lines = drawn(draw_figure(history(), summary()), 0)
     assert set(lines) == {"x", "y", "reference", "reference: rise"}
     assert lines["reference: rise"].tolist() == [[0.5, 0.9], [1.0, 0.9]]
     assert lines["reference"].tolist() == [[0.5, 0.3], [0.4, 0.2]]

@@ -58,6 +58,12 @@ class Painter:
         animation: The run.
         options: What a user chose.
 
+    Attributes:
+        colourings: The colour maps of the quantities that are shown.
+        size: Width and height of the picture [px].
+        camera: The view that all frames share.
+        transparent_walls: Numbers of the clouds that are blended, since they hide others.
+
     Raises:
         InputError: The run has no such quantity, or the size or the direction cannot be.
     """
@@ -72,29 +78,29 @@ class Painter:
         _check_size(self.size)
         left, top, right, bottom = (FINE * edge for edge in field(self.size))
         self.camera = frame_points(axes, points, widths, (left, top, right, bottom), flat=self._flat)
-        self._glass = self._occluding_walls()
+        self.transparent_walls = self._occluding_walls()
 
     def draw(self, frame: int) -> np.ndarray:
         """The picture of a frame, shape [height, width, 3], as bytes."""
         width, height = self.size
         pixels = self._particles(frame).reshape(height, FINE, width, FINE, 3).mean(axis=(1, 3))
-        return self._annotations.fill(pixels, f"{self._case}   {self._moment(frame)}")
+        return self._annotations.fill(pixels, f"{self._case}   {self.time_label(frame)}")
 
     def _particles(self, frame: int) -> np.ndarray:
         """The scene alone, on white, finely; shape [FINE height, FINE width, 3]."""
         width, height = FINE * self.size[0], FINE * self.size[1]
-        spheres, owners = self._spheres(frame), self._owners
+        spheres, owners = self.spheres(frame), self._owners
         clouds = range(len(self.animation.clouds))
-        colors = np.concatenate([self._colors(cloud, frame) for cloud in clouds]).astype(np.float32)
-        image, surface = self._layer(spheres, ~np.isin(owners, self._glass), colors, width, height)
+        colors = np.concatenate([self.colors(cloud, frame) for cloud in clouds]).astype(np.float32)
+        image, surface = self._layer(spheres, ~np.isin(owners, self.transparent_walls), colors, width, height)
         image[~surface.covered] = 1.0
-        for cloud in self._glass:
+        for cloud in self.transparent_walls:
             glass, before = self._layer(spheres, owners == cloud, colors, width, height)
             clear = before.covered & (before.depths < surface.depths)
             image[clear] += GLASS * (glass[clear] - image[clear])
         return image
 
-    def _colors(self, cloud: int, frame: int) -> np.ndarray:
+    def colors(self, cloud: int, frame: int) -> np.ndarray:
         """Colours of a cloud, shape [n, 3]."""
         own = [item for item in self.colourings if has_colour(self.animation, cloud, item.name)]
         return [*own, self.colourings[0]][0].colors(self.animation, cloud, frame)
@@ -118,7 +124,7 @@ class Painter:
             return []
         found = set[int]()
         for frame in self._frames[:: max(1, len(self._frames) // 4)]:
-            spheres = self._spheres(frame)
+            spheres = self.spheres(frame)
             # coarsely is enough
             small = Spheres(spheres.centres / COARSE, spheres.depths, spheres.radii / COARSE, spheres.bulges)
             size = (FINE * self.size[0] // COARSE, FINE * self.size[1] // COARSE)
@@ -154,14 +160,15 @@ class Painter:
     def _owners(self) -> np.ndarray:
         return np.repeat(np.arange(len(self.animation.clouds)), [len(cloud.ids) for cloud in self.animation.clouds])
 
-    def _spheres(self, frame: int) -> Spheres:
+    def spheres(self, frame: int) -> Spheres:
+        """The particles of a frame as the camera sees them, cloud by cloud."""
         return self.camera.see(self._points(frame), self._widths)
 
     @property
     def _case(self) -> str:
         return str(self.animation.provenance.get("case", self.animation.path.parent.name))
 
-    def _moment(self, frame: int) -> str:
+    def time_label(self, frame: int) -> str:
         """The time of a frame, with the same digits in all frames; of a static run its load factor."""
         times = self.animation.times
         if self.animation.provenance.get("analysis") == "static":

@@ -45,12 +45,13 @@ def plot_history(folder: Path, out: Path | None = None, *, overwrite: bool = Fal
         raise InputError(str(folder / PROBES), "", "has no rows")
     refuse_existing(path, overwrite)
     with style():
-        save(_draw(history, summary), path)
+        save(draw_figure(history, summary), path)
     print(path)
     return 0
 
 
-def _draw(history: History, summary: RunSummary) -> Figure:
+def draw_figure(history: History, summary: RunSummary) -> Figure:
+    """A figure with a diagram for each probe and for the energies, and the references that are values of a probe."""
     found = panels(history)
     columns = 1 if len(found) < 3 else 2 if len(found) < 9 else 3
     rows = math.ceil(len(found) / columns)
