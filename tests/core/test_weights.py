@@ -13,6 +13,9 @@ from warp_mps.core.weights import (
     lattice_number_density,
     weight,
     weight_function,
+    wendland_c2,
+    wendland_c2_slope,
+    wendland_functions,
 )
 
 
@@ -69,3 +72,35 @@ def test_the_warp_function_is_that_of_numpy(precision: str) -> None:
     wp.launch(weigh_all, len(r), [r, 2.1], [w], device="cpu")
     np.testing.assert_allclose(w.numpy()[:5], weight(r.numpy()[:5], 2.1), rtol=1e-6, atol=1e-6)
     assert w.numpy()[5] == pytest.approx(1.0 / LEAST_DISTANCE)
+
+
+def test_wendland_s_kernel_and_its_slope() -> None:
+    s = np.linspace(0.0, 1.2, 25)
+    step = 1e-6
+    difference = (wendland_c2(s + step) - wendland_c2(s - step)) / (2 * step)
+    np.testing.assert_allclose(wendland_c2_slope(s), difference, atol=1e-9)
+    assert wendland_c2(np.array([0.0, 1.0, 2.0])).tolist() == [1.0, 0.0, 0.0]
+    assert (np.diff(wendland_c2(s)) <= 0.0).all()
+
+
+@pytest.mark.parametrize("precision", PRECISIONS)
+def test_wendland_s_kernel_in_warp_is_that_of_numpy(precision: str) -> None:
+    """And so is its slope over s, which is finite at 0."""
+    types = numeric_types(2, precision)
+    functions = wendland_functions(types)
+    kernel, slope_ratio = functions.wendland_c2, functions.wendland_c2_slope_ratio
+    real = types.real
+
+    @wp.kernel(module="unique", enable_backward=False)
+    def evaluate(s: wp.array(dtype=real), w_out: wp.array(dtype=real), slope_out: wp.array(dtype=real)):
+        i = wp.tid()
+        w_out[i] = kernel(s[i])
+        slope_out[i] = slope_ratio(s[i])
+
+    s = np.array([0.0, 0.1, 0.5, 0.9, 1.0, 1.5])
+    at = wp.array(s, dtype=real, device="cpu")
+    w, slope = wp.zeros_like(at), wp.zeros_like(at)
+    wp.launch(evaluate, len(s), [at], [w, slope], device="cpu")
+    np.testing.assert_allclose(w.numpy(), wendland_c2(s), rtol=1e-6, atol=1e-7)
+    np.testing.assert_allclose(-slope.numpy() * s, wendland_c2_slope(s), rtol=1e-5, atol=1e-6)
+    assert slope.numpy()[0] == pytest.approx(20.0)

@@ -1,10 +1,12 @@
-"""The MPS weight function, on arrays and in kernels, and its sum over a full lattice.
+"""The MPS weight and Wendland's C2 kernel, on arrays and in Warp kernels, and sums of the weight over a full lattice.
 
 References:
     Koshizuka, S. and Oka, Y., Nuclear Science and Engineering 123 (1996) 421; eqs. 5 and 8 of the paper.
+    Wendland, H., Advances in Computational Mathematics 4 (1995) 389.
 """
 
 import functools
+from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -40,6 +42,39 @@ def weight_function(types: "NumericTypes") -> Any:
         return wp.max(r_e / wp.max(r, real(wp.static(LEAST_DISTANCE)) * r_e) - real(1.0), real(0.0))
 
     return weight
+
+
+def wendland_c2(s: np.ndarray) -> np.ndarray:
+    """Wendland's C2 kernel W(s) = (1 - s)^4 (1 + 4 s) of s = r / support, 0 beyond s = 1 [-]."""
+    return np.maximum(1.0 - s, 0.0) ** 4 * (1.0 + 4.0 * s)
+
+
+def wendland_c2_slope(s: np.ndarray) -> np.ndarray:
+    """Derivative dW/ds = -20 s (1 - s)^3 of Wendland's C2 kernel [-]."""
+    return -20.0 * s * np.maximum(1.0 - s, 0.0) ** 3
+
+
+@functools.cache
+def wendland_functions(types: "NumericTypes") -> SimpleNamespace:
+    """Wendland's C2 kernel as the Warp functions `wendland_c2(s)` and `wendland_c2_slope_ratio(s)` of a real s >= 0."""
+    # the sums over lattices are needed where Warp is not loaded
+    import warp as wp
+
+    real = types.real
+
+    @types.func("weights")
+    def wendland_c2(s: real) -> real:
+        """W(s) = (1 - s)^4 (1 + 4 s) for s < 1, else 0 (Wendland 1995) [-]."""
+        t = wp.max(real(1.0) - s, real(0.0))
+        return t * t * t * t * (real(1.0) + real(4.0) * s)
+
+    @types.func("weights")
+    def wendland_c2_slope_ratio(s: real) -> real:
+        """-W'(s) / s = 20 (1 - s)^3 for s < 1, else 0; finite at s = 0 [-]."""
+        t = wp.max(real(1.0) - s, real(0.0))
+        return real(20.0) * t * t * t
+
+    return SimpleNamespace(wendland_c2=wendland_c2, wendland_c2_slope_ratio=wendland_c2_slope_ratio)
 
 
 def lattice_number_density(dimension: int, effective_radius: float) -> float:

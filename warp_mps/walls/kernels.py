@@ -14,7 +14,7 @@ from types import SimpleNamespace
 
 import warp as wp
 
-from warp_mps.core.cubic import cubic_funcs
+from warp_mps.core.prescribed_motion import prescribed_motion_functions
 from warp_mps.core.types import NumericTypes
 
 METHOD = "walls"
@@ -25,7 +25,8 @@ def wall_kernels(types: NumericTypes) -> SimpleNamespace:
     """Kernels `clock`, `pose`, `place`, `drive`, `drive_work` and `clear`."""
     vec, d = types.vec, types.dimension
     vec64 = wp.types.vector(length=d, dtype=wp.float64)
-    cubic_value, cubic_rate, cubic_second = cubic_funcs(wp.float64, vec64, types.module(METHOD))
+    motions = prescribed_motion_functions(wp.float64, vec64, types.module(METHOD))
+    harmonic_motion, table_motion = motions.harmonic_motion, motions.table_motion
 
     if d == 2:
 
@@ -100,28 +101,9 @@ def wall_kernels(types: NumericTypes) -> SimpleNamespace:
         first = start[w, 2 * k]
         last = start[w, 2 * k + 1] - 1
         if frequency[w, k] > wp.float64(0.0):
-            omega = wp.float64(wp.TAU) * frequency[w, k]
-            angle = omega * t + phase[w, k]
-            value = (wp.sin(angle) - wp.sin(phase[w, k])) * amplitude[w, k]
-            rate = (omega * wp.cos(angle)) * amplitude[w, k]
-            second = (-omega * omega * wp.sin(angle)) * amplitude[w, k]
+            value, rate, second = harmonic_motion(t, amplitude[w, k], frequency[w, k], phase[w, k])
         elif last > first:
-            n = wp.clamp(wp.lower_bound(times, first, last + 1, t), first + 1, last)
-            span = times[n] - times[n - 1]
-            s = wp.clamp((t - times[n - 1]) / span, wp.float64(0.0), wp.float64(1.0))
-            inside = t >= times[first] and t < times[last]
-            move = rows[n] - rows[n - 1]
-            if cubic[w, k] == 0:
-                value = rows[n - 1] + s * move
-                if inside:
-                    rate = move / span
-            else:
-                m0 = span * slopes[n - 1]
-                m1 = span * slopes[n]
-                value = rows[n - 1] + cubic_value(s, move, m0, m1)
-                if inside:
-                    rate = cubic_rate(s, move, m0, m1) / span
-                    second = cubic_second(s, move, m0, m1) / (span * span)
+            value, rate, second = table_motion(t, first, last, times, rows, slopes, cubic[w, k])
         value_out[w, k] = value
         rate_out[w, k] = rate
         second_out[w, k] = second

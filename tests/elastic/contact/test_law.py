@@ -7,14 +7,14 @@ import itertools
 import numpy as np
 import pytest
 
-from warp_mps.elastic.contact.law import SUPPORT, capacity, kernel, kernel_slope, law_constants
+from warp_mps.elastic.contact.law import SUPPORT, capacity, law_constants
 
 # spacing of the particle, and of the lattice that it touches
 SPACINGS = [(1.0, 1.0), (1.0, 0.5), (0.5, 1.0), (1.0, 0.2), (0.2, 1.0)]
 
 
-def crowding(own: float, other: float, gap: float, at: tuple[float, ...]) -> float:
-    """The sum of W over a half-space, `gap` from its nearest layer and `at` along the layer, times w."""
+def density(own: float, other: float, gap: float, at: tuple[float, ...]) -> float:
+    """The contact density: the sum of W over a half-space, `gap` from its nearest layer and `at` along it, times w."""
     support, lateral = SUPPORT * max(own, other), np.arange(-14, 15) * other
     total = 0.0
     for place in itertools.product(*([lateral] * len(at)), gap + other * np.arange(14)):
@@ -23,27 +23,19 @@ def crowding(own: float, other: float, gap: float, at: tuple[float, ...]) -> flo
     return total * law_constants(len(at) + 1, own, other)[0]
 
 
-def test_the_kernel_and_its_slope() -> None:
-    s = np.linspace(0.0, 1.2, 25)
-    step = 1e-6
-    np.testing.assert_allclose(kernel_slope(s), (kernel(s + step) - kernel(s - step)) / (2 * step), atol=1e-9)
-    assert kernel(np.array([0.0, 1.0, 2.0])).tolist() == [1.0, 0.0, 0.0]
-    assert (np.diff(kernel(s)) <= 0.0).all()
-
-
 @pytest.mark.parametrize(("own", "other"), SPACINGS)
-def test_a_particle_is_crowded_by_one_where_it_touches_wherever_that_is(own: float, other: float) -> None:
+def test_the_contact_density_is_1_at_touch_at_any_lateral_position(own: float, other: float) -> None:
     """The face of a lattice is flat to 1.5 % of the spacing where that is felt, with very unequal spacings to 3 %."""
     touch = 0.5 * (own + other)
-    values = [crowding(own, other, touch, (x * other,)) for x in np.linspace(0.0, 0.9, 10)]
+    values = [density(own, other, touch, (x * other,)) for x in np.linspace(0.0, 0.9, 10)]
     assert np.mean(values) == pytest.approx(1.0, abs=1e-3)
-    slope = (crowding(own, other, 0.99 * touch, (0.0,)) - crowding(own, other, 1.01 * touch, (0.0,))) / (0.02 * touch)
+    slope = (density(own, other, 0.99 * touch, (0.0,)) - density(own, other, 1.01 * touch, (0.0,))) / (0.02 * touch)
     assert np.ptp(values) / slope < (0.003 if own >= other else 0.015) * touch
 
 
 def test_in_space_too() -> None:
     places = [(x, y) for x in (0.0, 0.25, 0.5) for y in (0.0, 0.25, 0.5)]
-    values = [crowding(1.0, 1.0, 1.0, place) for place in places]
+    values = [density(1.0, 1.0, 1.0, place) for place in places]
     weights = np.outer((1, 2, 1), (1, 2, 1)).ravel()
     assert np.average(values, weights=weights) == pytest.approx(1.0, abs=1e-3)
     assert np.ptp(values) < 0.03
@@ -56,7 +48,7 @@ def test_both_faces_together_are_as_stiff_as_a_layer_of_the_material(own: float,
     stiffness = 0.0
     for a, b in ((own, other), (other, own)):
         step = 1e-4 * mean
-        slope = (crowding(a, b, mean - step, (0.37 * b,)) - crowding(a, b, mean + step, (0.37 * b,))) / (2 * step)
+        slope = (density(a, b, mean - step, (0.37 * b,)) - density(a, b, mean + step, (0.37 * b,))) / (2 * step)
         stiffness += law_constants(2, a, b)[1] * slope**2 / a
     assert stiffness * mean == pytest.approx(1.0, rel=0.03)
 

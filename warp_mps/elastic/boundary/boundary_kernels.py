@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 import warp as wp
 
-from warp_mps.core.cubic import cubic_funcs
+from warp_mps.core.prescribed_motion import prescribed_motion_functions
 from warp_mps.core.types import NumericTypes
 
 METHOD = "elastic"
@@ -15,7 +15,8 @@ METHOD = "elastic"
 def boundary_kernels(types: NumericTypes) -> SimpleNamespace:
     """Kernels `drive`, `drive_work`, `push` and `push_work`."""
     real, vec = types.real, types.vec
-    cubic_value, cubic_rate, cubic_second = cubic_funcs(real, vec, types.module(METHOD))
+    motions = prescribed_motion_functions(real, vec, types.module(METHOD))
+    harmonic_motion, table_motion = motions.harmonic_motion, motions.table_motion
 
     @types.func(METHOD)
     def harmonic(t: wp.float64, frequency: wp.float64, phase: wp.float64) -> real:
@@ -61,28 +62,10 @@ def boundary_kernels(types: NumericTypes) -> SimpleNamespace:
         speed = vec()
         acceleration = vec()
         if frequency > wp.float64(0.0):
-            w = wp.float64(wp.TAU) * frequency
-            place = real(wp.sin(w * t + phase) - wp.sin(phase)) * amplitude
-            speed = real(w * wp.cos(w * t + phase)) * amplitude
-            acceleration = real(-w * w * wp.sin(w * t + phase)) * amplitude
+            place, speed, acceleration = harmonic_motion(t, amplitude, frequency, phase)
         else:
             last = times.shape[0] - 1
-            k = wp.clamp(wp.lower_bound(times, t), 1, last)
-            span = times[k] - times[k - 1]
-            s = wp.clamp((t - times[k - 1]) / span, wp.float64(0.0), wp.float64(1.0))
-            gap = table[k] - table[k - 1]
-            inside = t >= times[0] and t < times[last]
-            if slopes.shape[0] == 0:
-                place = table[k - 1] + real(s) * gap
-                if inside:
-                    speed = real(wp.float64(1.0) / span) * gap
-            else:
-                m0 = real(span) * slopes[k - 1]
-                m1 = real(span) * slopes[k]
-                place = table[k - 1] + cubic_value(real(s), gap, m0, m1)
-                if inside:
-                    speed = real(wp.float64(1.0) / span) * cubic_rate(real(s), gap, m0, m1)
-                    acceleration = real(wp.float64(1.0) / (span * span)) * cubic_second(real(s), gap, m0, m1)
+            place, speed, acceleration = table_motion(t, 0, last, times, table, slopes, slopes.shape[0])
         u_i = u[i]
         v_i = v[i]
         a_i = acceleration_out[i]

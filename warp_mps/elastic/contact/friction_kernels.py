@@ -38,7 +38,7 @@ def friction_kernels(types: NumericTypes) -> SimpleNamespace:
     """Kernels `grip`, `rub` and `add`."""
     real, vec, mat = types.real, types.vec, types.mat
     funcs = contact_funcs(types)
-    pair_support, weight, steepness = funcs.pair_support, funcs.weight, funcs.steepness
+    pair_support, weight, slope_ratio = funcs.pair_support, funcs.weight, funcs.slope_ratio
 
     @types.func(METHOD)
     def least_variance(c: mat, n: vec) -> real:
@@ -101,7 +101,7 @@ def friction_kernels(types: NumericTypes) -> SimpleNamespace:
                         j = listed[m]
                         support = pair_support(spacing[i], spacing[j])
                         y = reference[i] - reference[j] + (u[i] - u[j])
-                        normal += (steepness(wp.length(y) / support) / (support * support)) * y
+                        normal += (slope_ratio(wp.length(y) / support) / (support * support)) * y
                     size = wp.length(normal)
                     limit = limit * size
                     normal = normal / wp.max(size, real(1.0e-30))

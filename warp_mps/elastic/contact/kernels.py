@@ -19,6 +19,7 @@ from types import SimpleNamespace
 import warp as wp
 
 from warp_mps.core.types import NumericTypes
+from warp_mps.core.weights import wendland_functions
 from warp_mps.elastic.contact.law import SUPPORT
 
 METHOD = "elastic"
@@ -28,7 +29,7 @@ PARTICLES_PER_THREAD = {"cpu": 64, "cuda": 1}
 
 @functools.cache
 def contact_funcs(types: NumericTypes) -> SimpleNamespace:
-    """Device functions `pair_support`, `weight` and `steepness` of the law."""
+    """Device functions `pair_support`, `weight` and `slope_ratio` of the law."""
     real = types.real
 
     @types.func(METHOD)
@@ -36,19 +37,10 @@ def contact_funcs(types: NumericTypes) -> SimpleNamespace:
         """Distance at which particles of two spacings cease to see each other."""
         return real(wp.static(SUPPORT)) * wp.max(a, b)
 
-    @types.func(METHOD)
-    def weight(s: real) -> real:
-        """Wendland's W(s), for s >= 0."""
-        t = wp.max(real(1.0) - s, real(0.0))
-        return t * t * t * t * (real(1.0) + real(4.0) * s)
-
-    @types.func(METHOD)
-    def steepness(s: real) -> real:
-        """-W'(s) / s, for s >= 0: finite at 0."""
-        t = wp.max(real(1.0) - s, real(0.0))
-        return real(20.0) * t * t * t
-
-    return SimpleNamespace(pair_support=pair_support, weight=weight, steepness=steepness)
+    wendland = wendland_functions(types)
+    return SimpleNamespace(
+        pair_support=pair_support, weight=wendland.wendland_c2, slope_ratio=wendland.wendland_c2_slope_ratio
+    )
 
 
 @functools.cache
@@ -56,7 +48,7 @@ def contact_kernels(types: NumericTypes) -> SimpleNamespace:
     """Kernels `crowding` and `force`."""
     real, vec = types.real, types.vec
     funcs = contact_funcs(types)
-    pair_support, weight, steepness = funcs.pair_support, funcs.weight, funcs.steepness
+    pair_support, weight, slope_ratio = funcs.pair_support, funcs.weight, funcs.slope_ratio
 
     @types.kernel(METHOD)
     def crowding(
@@ -138,7 +130,7 @@ def contact_kernels(types: NumericTypes) -> SimpleNamespace:
                     if both > real(0.0):
                         support = pair_support(spacing[i], spacing[j])
                         x = reference[j] - reference[i] + (u[j] - u[i])
-                        total -= (both * steepness(wp.length(x) / support) / (support * support)) * x
+                        total -= (both * slope_ratio(wp.length(x) / support) / (support * support)) * x
                 k = end[i, s]
             contact_out[i] = total
             if n > 0:

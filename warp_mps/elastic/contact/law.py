@@ -26,6 +26,8 @@ import math
 
 import numpy as np
 
+from warp_mps.core.weights import wendland_c2, wendland_c2_slope
+
 # support of W, in units of the larger spacing of a pair
 SUPPORT = 2.0
 # particles of one body that were closer than this are held apart by its elasticity: in units of the spacing, with room
@@ -35,16 +37,6 @@ APART = 2.5
 LATERAL = 8
 # candidates of a particle: a part of the lattice that its reach holds, and some more
 FILLED, SPARE = 0.6, 8
-
-
-def kernel(s: np.ndarray) -> np.ndarray:
-    """Wendland's C2 function W(s) of s = r / support [-]."""
-    return np.maximum(1.0 - s, 0.0) ** 4 * (1.0 + 4.0 * s)
-
-
-def kernel_slope(s: np.ndarray) -> np.ndarray:
-    """Its derivative dW/ds = -20 s (1 - s)^3 [-]."""
-    return -20.0 * s * np.maximum(1.0 - s, 0.0) ** 3
 
 
 @functools.cache
@@ -68,8 +60,8 @@ def law_constants(dimension: int, own: float, other: float) -> tuple[float, floa
     for offset in itertools.product(offsets, repeat=dimension - 1):
         shifted = x + np.array([*offset, 0.0])
         r = np.linalg.norm(shifted, axis=1)
-        slope = np.sum(kernel_slope(r / support) / support * shifted[:, -1] / r)
-        sums += np.sum(kernel(r / support)), -mean * slope
+        slope = np.sum(wendland_c2_slope(r / support) / support * shifted[:, -1] / r)
+        sums += np.sum(wendland_c2(r / support)), -mean * slope
     crowding, steepness = sums / count ** (dimension - 1)
     return 1.0 / crowding, own ** (dimension - 1) * mean / (2.0 * (steepness / crowding) ** 2)
 

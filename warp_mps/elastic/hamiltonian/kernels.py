@@ -27,7 +27,8 @@ from types import SimpleNamespace
 
 import warp as wp
 
-from warp_mps.core.types import NumericTypes
+from warp_mps.core.types import NumericTypes, numeric_types
+from warp_mps.core.weights import weight_function
 from warp_mps.elastic.hamiltonian.pair_sums import pair_sums
 from warp_mps.elastic.materials.laws import law_funcs
 
@@ -47,6 +48,7 @@ def hamiltonian_kernels(types: NumericTypes) -> SimpleNamespace:
     law_stress, energy_density = laws.stress, laws.energy_density
     # the constants of a pair are formed in double precision whatever the run's: X_ij is a small difference
     vec64 = wp.types.vector(length=types.dimension, dtype=wp.float64)
+    mps_weight = weight_function(numeric_types(types.dimension, "float64"))
     mat64 = wp.types.matrix(shape=(types.dimension, types.dimension), dtype=wp.float64)
 
     @types.kernel(METHOD)
@@ -70,7 +72,7 @@ def hamiltonian_kernels(types: NumericTypes) -> SimpleNamespace:
         for k in range(start[i], start[i + 1]):
             x = reference[index[k]] - reference[i]
             r = wp.length(x)
-            w = wp.max(radius[i] / r - wp.float64(1.0), wp.float64(0.0))
+            w = mps_weight(r, radius[i])
             omega = w / (r * r)
             n += w
             shape += omega * wp.outer(x, x)

@@ -21,7 +21,8 @@ from types import SimpleNamespace
 import warp as wp
 
 from warp_mps.core.rotation import rotation_funcs
-from warp_mps.core.types import NumericTypes
+from warp_mps.core.types import NumericTypes, numeric_types
+from warp_mps.core.weights import weight_function
 
 METHOD = "elastic"
 
@@ -73,11 +74,7 @@ def spring_kernels(types: NumericTypes) -> SimpleNamespace:
 
     # the constants of a pair are formed in double precision whatever the run's: X_ij is a small difference
     vec64 = wp.types.vector(length=types.dimension, dtype=wp.float64)
-
-    @types.func(METHOD)
-    def weight(r: wp.float64, r_e: wp.float64) -> wp.float64:
-        """w(r) = r_e / r - 1 for r < r_e (eq. 5)."""
-        return wp.max(r_e / r - wp.float64(1.0), wp.float64(0.0))
+    weight = weight_function(numeric_types(types.dimension, "float64"))
 
     @types.kernel(METHOD)
     def number_density(
