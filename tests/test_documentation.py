@@ -87,3 +87,33 @@ def test_the_moving_tank_of_the_first_steps_runs(tmp_path: Path, monkeypatch: py
     exec(replaced(code, {"duration=1.0": "duration=0.05"}), scope)
     assert scope["summary"].status == "done"
     assert Path("runs/baffle/run.usdc").exists()
+
+
+@pytest.mark.long
+def test_the_scripting_page_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    code = "".join(python_blocks("docs/scripting.md"))
+    monkeypatch.chdir(tmp_path)
+    scope: dict = {}
+    exec(code, scope)
+    assert scope["summary"].status == "done"
+    assert scope["stress"] > 1e3
+    assert scope["simulation"].time == pytest.approx(0.05, rel=1e-3)
+
+
+@pytest.mark.long
+def test_the_tutorial_runs_and_its_hull_floats(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """At twice the spacing, for a moment: the water has given way to the hull, which has not sunk or jumped."""
+    pytest.importorskip("trimesh")
+    coarse = {"l0 = 0.01": "l0 = 0.02", "duration=1.0": "duration=0.1"}
+    code = replaced("".join(python_blocks("docs/tutorial.md")), coarse)
+    monkeypatch.chdir(tmp_path)
+    scope: dict = {}
+    exec(code, scope)
+    found = re.search(r"draught ([0-9.]+) mm, Archimedes 27.0 mm", capsys.readouterr().out)
+    assert found
+    assert float(found[1]) == pytest.approx(27.0, abs=5.0)
+    again = warp_mps.read_stage("hull.usda")
+    assert [body.name for body in again.bodies] == ["hull"]
+    assert len(again.walls) == len(scope["scene"].walls)
