@@ -8,6 +8,7 @@ import signal
 import threading
 import time
 from collections.abc import Callable
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
@@ -329,12 +330,14 @@ def test_threads_are_refused_on_a_gpu(monkeypatch: pytest.MonkeyPatch) -> None:
         Simulation(scene_of(block(2)), device="cuda:0", threads=2)
 
 
-def test_compiling_is_said_before_it_is_done(monkeypatch: pytest.MonkeyPatch) -> None:
-    from warp_mps.core import device
-
+def test_compiling_is_announced_before_it_is_done(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     said: list[str] = []
-    monkeypatch.setattr(device, "_is_cached", lambda *_: False)
     announce: Callable[[str], None] = said.append
+    Simulation(scene_of(block(2)))
+    Simulation(scene_of(block(2)), announce=announce)
+    assert said == []
+    # nothing is compiled, since the kernels are loaded already
+    monkeypatch.setattr(wp.config, "kernel_cache_dir", str(tmp_path))
     Simulation(scene_of(block(2)), announce=announce)
     assert len(said) == 1
     assert "compiling kernels for cpu" in said[0]
