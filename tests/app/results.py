@@ -1,4 +1,4 @@
-"""A small result without a run: a block on a wall, of which every number is known."""
+"""A small result without a run: a block on a wall, all of whose values are known."""
 
 from __future__ import annotations
 

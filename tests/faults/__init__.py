@@ -1,1 +1,1 @@
-"""Faults while a run is under way: nothing that was kept is lost, and it goes on to the same end."""
+"""Faults during a run: nothing that was saved is lost, and the run resumes to the same results."""

@@ -1,4 +1,4 @@
-"""Files that are no stages, or that lead astray; each is written into a folder, whose stage it returns."""
+"""Files that are not stages, or that mislead; each function writes one into a folder and returns its path."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The faults, one function each; as a script, many of them at random moments, and a table of what became of the runs.
+"""The faults, one function each; as a script, many of them at random moments, and a table of the outcomes.
 
 ``python -m tests.faults.campaign [KILLS]`` takes some seconds a fault.
 """
@@ -136,14 +136,14 @@ FAULTS: dict[str, Fault] = {
 
 
 def endure(fault: Fault, case: Case, out: Path, rows: int) -> tuple[str, float]:
-    """Inflict a fault, and see that nothing is lost; how the run ended, and where it went on to its end [s]."""
+    """Inflict a fault, and see that nothing is lost; how the run ended, and where it continued to its end [s]."""
     how = fault(case, out, rows)
     assert_readable(case, out)
     return how, assert_continues(case, out)
 
 
 def main(kills: int = 50) -> int:
-    """Go through all faults and print what became of the runs; the number of those that were lost."""
+    """Go through all faults and print the outcome of every run; the number of lost runs."""
     random = np.random.default_rng(0)
     lost = 0
     with tempfile.TemporaryDirectory() as scratch:
@@ -155,7 +155,7 @@ def main(kills: int = 50) -> int:
             rows = int(random.integers(1, 50))
             try:
                 how, start = endure(FAULTS[name], case, out, rows)
-                verdict = f"goes on from {start:.3f} s to the same bits" if start >= 0 else "starts anew"
+                verdict = f"continues from {start:.3f} s to the same bits" if start >= 0 else "starts again"
             except Exception as error:
                 lost, how, verdict = lost + 1, f"{type(error).__name__}: {error}", "LOST"
             print(f"{name:24}{case.name:9}row {rows:3}  {verdict:40}  {how}", flush=True)

@@ -103,7 +103,7 @@ def assert_readable(case: Case, folder: Path) -> None:
 
 
 def assert_continues(case: Case, folder: Path) -> float:
-    """The run goes on to the same end as the continuous run; the time of its checkpoint, or -1 if there is none [s]."""
+    """Check that a run resumes to the results of the continuous run; the time of its checkpoint [s], -1 without one."""
     start = -1.0
     if (folder / "checkpoint.npz").exists() or (folder / "checkpoint.prev.npz").exists():
         first = _first_time(case, folder)

@@ -1,4 +1,4 @@
-"""Malformed stages: each is refused in one line, or is a case; nothing hangs, crashes or eats the memory.
+"""Malformed stages: each is refused in one line or is a valid case; nothing hangs, crashes or exhausts the memory.
 
 As a script, ``python -m tests.faults.hostile [STAGES [SEED]]``, it makes so many, checks them, runs some of those that
 are cases for a few steps, and prints what became of each kind. Any of them can be made again:

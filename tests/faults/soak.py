@@ -1,4 +1,4 @@
-"""A long run in one process: does it hold on to more and more memory, or slow down?
+"""A long run in one process: whether its memory grows and whether it slows down.
 
 ``python -m tests.faults.soak --steps N --case CASE`` runs a case, given by name or by the path of its stage, for N time
 steps of the solver (of fluids, those within the intervals), however long it lasts as shipped, with all that a run in a

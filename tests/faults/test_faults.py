@@ -1,4 +1,4 @@
-"""Runs that are killed, interrupted and deprived: nothing that was kept is lost, and they go on to the same bits."""
+"""Runs that are killed, interrupted and starved: nothing that was saved is lost, and they resume to the same bits."""
 
 from __future__ import annotations
 

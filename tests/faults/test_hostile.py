@@ -46,7 +46,7 @@ def test_what_is_a_fault(ending: Ending, expected: str) -> None:
     assert bool(found) == bool(expected)
 
 
-def test_the_watchdog_ends_what_hangs_and_begins_anew(tmp_path: Path) -> None:
+def test_the_watchdog_ends_what_hangs_and_restarts(tmp_path: Path) -> None:
     with Worker(patience=0.0) as worker:
         assert worker.run(["check", "beam_first_mode"]).err == "hangs"
     with Worker() as worker:

@@ -1,4 +1,4 @@
-"""A run of many frames holds on to no more memory than one of few."""
+"""A run of many frames needs no more memory than one of few."""
 
 from __future__ import annotations
 

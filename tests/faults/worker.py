@@ -51,7 +51,7 @@ class Ending:
 
 
 class Worker:
-    """Runs commands one by one, in a process that is started anew when it had to be killed.
+    """Runs commands one by one, in a process that is restarted after it was killed.
 
     Args:
         patience: Processor time that a command may take [s]; a run takes up to `COMPILING` more. Waiting counts for
@@ -141,7 +141,7 @@ def serve() -> None:
 
 
 def _timed(main: Callable[[Sequence[str]], int], arguments: Sequence[str]) -> Ending:
-    Path("/proc/self/clear_refs").write_text("5", encoding="ascii")  # begins the peak of resident memory anew
+    Path("/proc/self/clear_refs").write_text("5", encoding="ascii")  # resets the peak of resident memory
     with tempfile.TemporaryFile() as out, tempfile.TemporaryFile() as err:
         kept = [os.dup(number) for number in (1, 2)]
         os.dup2(out.fileno(), 1)

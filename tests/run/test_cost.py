@@ -1,4 +1,4 @@
-"""What a run takes, said before it takes it."""
+"""The cost of a run, estimated before it starts."""
 
 from __future__ import annotations
 

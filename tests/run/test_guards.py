@@ -1,4 +1,4 @@
-"""Guards: what is no solution ends a run with exit code 3, one line of cause and place, and all that was before it."""
+"""Guards: an invalid solution ends a run with exit code 3 and one line of cause and place; earlier results are kept."""
 
 from __future__ import annotations
 
@@ -184,7 +184,7 @@ def test_a_solid_that_is_not_finite(
 def test_a_fluid_that_is_not_finite(
     name: str, number: float, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Also where less of it than may be lost has left the domain with no number for a place."""
+    """Also if particles whose position is NaN are fewer than may leave the domain."""
     monkeypatch.setattr("warp_mps.fluid.failures.LARGEST_LOSS", 1.0)
     poke(monkeypatch, 0.055, put(name, number, of="fluids"))
     line = failed(still_water(), tmp_path, capsys)
@@ -269,7 +269,7 @@ def test_a_pressure_solve_without_iterations_left(
 
 
 def test_single_steps_that_are_not_solved_do_not_stop_a_run() -> None:
-    """Only steps in a row do: a guess of the pressure that is no number costs one solve."""
+    """Only consecutive steps do: an initial guess of the pressure that is NaN costs one solve."""
     simulation = Simulation(still_water())
     for _ in range(2 * MOST_UNSOLVED):
         put("p", np.nan, of="fluids", at=0)(simulation)

@@ -1,4 +1,4 @@
-"""One run at a time in a folder, and no lock that outlives its process."""
+"""Locks of result folders: one run at a time, and no lock outlives its process."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The same run is the same bits, however it is launched; and in single precision it is nearly the same run.
+"""The same run gives the same bits, however it is launched; single precision stays near double precision.
 
 Single precision is compared while runs have the same course: where water breaks up and bodies bounce on, two of them
 part in time whatever the difference at the start.

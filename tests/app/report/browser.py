@@ -119,7 +119,7 @@ class Browser:
             self.call("Input.dispatchMouseEvent", type=kind, **place, button=button, buttons=held, clickCount=1)
 
     def wheel(self, x: float, y: float, by: float) -> None:
-        """Turn the wheel at a place of the window [pixels]; negative values are away from who turns."""
+        """Turn the wheel at a place of the window [pixels]; negative values scroll up."""
         self.call("Input.dispatchMouseEvent", type="mouseWheel", x=x, y=y, deltaX=0, deltaY=by)
 
     def picture(self, *, whole: bool = False) -> bytes:

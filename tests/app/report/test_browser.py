@@ -1,4 +1,4 @@
-"""The page in a real browser: it draws, plays, answers, and says nothing on the console."""
+"""The page in a real browser: it draws, plays, reacts, and logs nothing to the console."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the player is given: positions, quantities, ranges, and what is left out."""
+"""Data for the player: positions, quantities, ranges, and what is left out."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Pictures and videos of a result of which every number is known."""
+"""Pictures and videos of a result all of whose values are known."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What surrounds an animation: that the camera sees everything, and that it grows with the scene alone."""
+"""Camera and scenery of an animation: the camera sees everything, and its view grows with the scene alone."""
 
 from __future__ import annotations
 

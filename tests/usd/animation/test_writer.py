@@ -329,7 +329,7 @@ COMPACTING = (
 @pytest.mark.parametrize("attempts", [1, pytest.param(5, marks=pytest.mark.long)])
 @pytest.mark.parametrize("prologue", ["", COMPACTING])
 def test_a_killed_writer_leaves_every_completed_frame(tmp_path: Path, prologue: str, attempts: int) -> None:
-    """Also one that writes its files anew all the time."""
+    """Also one that rewrites its files after every frame."""
     rng = random.Random(1)
     for attempt in range(attempts):
         path = tmp_path / f"{attempt}.usdc"

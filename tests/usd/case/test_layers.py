@@ -1,4 +1,4 @@
-"""What a stage is made of: files beside it, which USD survives, and others only where that is allowed."""
+"""Layers of a stage: files beside it are read, others only if that is allowed, and damaged ones are refused."""
 
 from __future__ import annotations
 
