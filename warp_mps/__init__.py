@@ -18,6 +18,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from warp_mps.app.notebook import picture, plot, report, video
     from warp_mps.errors import InputError, RunError
     from warp_mps.observers.base import Observer, View
     from warp_mps.results.history import read_history
@@ -58,6 +59,7 @@ __version__ = "0.1.0"
 
 # where each public name is defined; they are imported when they are first used, for Warp and USD take seconds to load
 _HOMES = {
+    "warp_mps.app.notebook": ("picture", "plot", "report", "video"),
     "warp_mps.usd.shipped_cases": ("find_case", "shipped_cases"),
     "warp_mps.errors": ("InputError", "RunError"),
     "warp_mps.observers.base": ("Observer", "View"),
@@ -129,13 +131,17 @@ __all__ = [
     "Wall",
     "fill_to",
     "find_case",
+    "picture",
+    "plot",
     "read_history",
     "read_stage",
     "read_summary",
+    "report",
     "run_scene",
     "save_stage",
     "shipped_cases",
     "tank",
+    "video",
 ]
 
 

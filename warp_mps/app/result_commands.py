@@ -78,7 +78,8 @@ def plot(
     """
     from warp_mps.app.view.plot import plot_history
 
-    return plot_history(folder, out, overwrite=overwrite)
+    print(plot_history(folder, out, overwrite=overwrite))
+    return 0
 
 
 def picture(
@@ -101,7 +102,8 @@ def picture(
     from warp_mps.app.view.picture import PictureOptions, draw_picture
 
     options = PictureOptions(colour, limits, size, view)
-    return draw_picture(folder, out, time=time, options=options, overwrite=overwrite)
+    print(draw_picture(folder, out, time=time, options=options, overwrite=overwrite))
+    return 0
 
 
 def video(
@@ -125,9 +127,10 @@ def video(
     from warp_mps.app.view.picture import PictureOptions
     from warp_mps.app.view.video import make_video
 
-    return make_video(
-        folder, out, seconds=seconds, options=PictureOptions(colour, limits, size, view), overwrite=overwrite
-    )
+    options = PictureOptions(colour, limits, size, view)
+    path, pictures, length = make_video(folder, out, seconds=seconds, options=options, overwrite=overwrite)
+    print(f"{path}: {pictures} pictures, {length:.3g} s")
+    return 0
 
 
 def report(
@@ -145,4 +148,9 @@ def report(
     """
     from warp_mps.app.report.watch import report_run
 
-    return report_run(folder, out, overwrite=overwrite, interval=interval if watch else None)
+    report_run(folder, out, overwrite=overwrite, interval=interval if watch else None, announce=_print_at_once)
+    return 0
+
+
+def _print_at_once(line: str) -> None:
+    print(line, flush=True)

@@ -193,7 +193,7 @@ def draw_picture(
     time: float | None = None,
     options: PictureOptions = DEFAULT_OPTIONS,
     overwrite: bool = False,
-) -> int:
+) -> Path:
     """Draw one moment of a run.
 
     Args:
@@ -202,6 +202,9 @@ def draw_picture(
         time: The moment [s], of which the nearest frame is drawn; None is the last.
         options: What the picture shows, and how.
         overwrite: Whether to replace the file.
+
+    Returns:
+        The file.
 
     Raises:
         InputError: The folder has no run, the run has no frame, an option is invalid, or the file cannot be written.
@@ -215,8 +218,7 @@ def draw_picture(
     frame = len(animation) - 1 if time is None else find_frame(animation, time)
     picture = Image.fromarray(Painter(animation, options).draw(frame))
     figures.write_file(path, lambda temporary: picture.save(temporary, **SETTINGS[path.suffix.lower()]))
-    print(path)
-    return 0
+    return path
 
 
 def _axes(points: np.ndarray, up_axis: str, view: tuple[float, float, float] | None) -> tuple[np.ndarray, bool]:

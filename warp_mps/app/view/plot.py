@@ -26,13 +26,16 @@ FORMATS = ("png", "svg", "pdf")
 LEGEND_COLUMNS = 4
 
 
-def plot_history(folder: Path, out: Path | None = None, *, overwrite: bool = False) -> int:
+def plot_history(folder: Path, out: Path | None = None, *, overwrite: bool = False) -> Path:
     """Draw probes.csv of a run, with the references of run.json that are values of a probe.
 
     Args:
         folder: Folder of the run.
         out: File to write, ending in one of `FORMATS`; None is probes.png in the folder.
         overwrite: Whether to replace it.
+
+    Returns:
+        The file.
 
     Raises:
         InputError: There is no run in the folder or it has no rows, or the file cannot be written.
@@ -46,8 +49,7 @@ def plot_history(folder: Path, out: Path | None = None, *, overwrite: bool = Fal
     refuse_existing(path, overwrite)
     with style():
         save(draw_figure(history, summary), path)
-    print(path)
-    return 0
+    return path
 
 
 def draw_figure(history: History, summary: RunSummary) -> Figure:

@@ -32,7 +32,7 @@ def make_video(
     seconds: float | None = None,
     options: PictureOptions = DEFAULT_OPTIONS,
     overwrite: bool = False,
-) -> int:
+) -> tuple[Path, int, float]:
     """Make a video of a run.
 
     Args:
@@ -43,6 +43,9 @@ def make_video(
             says.
         options: What the pictures show, and how.
         overwrite: Whether to replace the file.
+
+    Returns:
+        The file, its number of pictures, and how long it plays [s].
 
     Raises:
         InputError: There is no run in the folder, an option is invalid, or the file cannot be written.
@@ -63,8 +66,7 @@ def make_video(
     pictures = (painter.draw(int(frame)) for frame in shown)
     write = _write_mp4 if path.suffix.lower() == ".mp4" else _write_images
     figures.write_file(path, lambda temporary: write(temporary, pictures, rate, painter.size))
-    print(f"{path}: {len(frames)} pictures, {len(frames) / rate:.3g} s")
-    return 0
+    return path, len(frames), len(frames) / rate
 
 
 def pace(
