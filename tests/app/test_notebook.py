@@ -8,11 +8,11 @@ from typing import Any
 
 import pytest
 from PIL import Image
-from warp_mps.app.notebook import ResultFile
 
 import warp_mps as mps
 from tests.scenes import beam
 from warp_mps.app.cli import main
+from warp_mps.app.notebook import ResultFile
 
 SIZE: dict[str, Any] = {"size": (360, 240)}
 
