@@ -27,15 +27,10 @@ EXPERIMENT = {0.066: 0.183, 0.133: 0.276, 0.200: 0.382}
 def dam(across: int) -> mps.Scene:
     """The column with a number of particles across it."""
     l0 = WIDTH / across
-    thick, high = 4 * l0, 0.45
     return mps.Scene(
         name="dam_break",
-        fluids=(mps.Fluid(name="water", shape=mps.Box((WIDTH, HEIGHT), center=(WIDTH / 2, HEIGHT / 2)), spacing=l0),),
-        walls=(
-            mps.Wall(name="floor", shape=mps.Box((TANK + 2 * thick, thick), center=(TANK / 2, -thick / 2)), spacing=l0),
-            mps.Wall(name="left", shape=mps.Box((thick, high), center=(-thick / 2, high / 2)), spacing=l0),
-            mps.Wall(name="right", shape=mps.Box((thick, high), center=(TANK + thick / 2, high / 2)), spacing=l0),
-        ),
+        fluids=(mps.Fluid(name="water", shape=mps.Box.from_corners((0.0, 0.0), (WIDTH, HEIGHT)), spacing=l0),),
+        walls=mps.tank((0.0, 0.0), (TANK, 0.45), l0, layers=4),
         probes=(
             mps.Probe(name="front", body="water", quantity="highest"),
             mps.Probe(name="push", body="right", quantity="contact_force"),

@@ -25,36 +25,21 @@ DENSITIES = (250.0, 500.0, 750.0)  # [kg/m^3]
 WIDTH = 3 * LENGTH + 4 * GAP
 
 
-def box(left: float, right: float, bottom: float, top: float) -> mps.Box:
-    """A box between its faces."""
-    return mps.Box((right - left, top - bottom), center=((left + right) / 2, (bottom + top) / 2))
-
-
 def tank(duration: float) -> mps.Scene:
-    """The plates on the water, which fills the tank about them."""
-    deepest = DEPTH - THICKNESS
-    fluids = [mps.Fluid(name="water", shape=box(0, WIDTH, 0, deepest), spacing=L0)]
-    fluids += [
-        mps.Fluid(name=f"gap_{k}", shape=box(left, left + GAP, deepest, DEPTH), spacing=L0)
-        for k, left in enumerate(k * (LENGTH + GAP) for k in range(4))
-    ]
+    """The plates at their draught in a tank; the water, filled to a level, leaves them out."""
     plates = []
     for k, density in enumerate(DENSITIES):
         left, bottom = GAP + k * (LENGTH + GAP), DEPTH - density / 1000.0 * THICKNESS
-        below = box(left, left + LENGTH, deepest, bottom)
-        fluids.append(mps.Fluid(name=f"below_{k}", shape=below, spacing=L0))
-        shape = box(left, left + LENGTH, bottom, bottom + THICKNESS)
+        shape = mps.Box.from_corners((left, bottom), (left + LENGTH, bottom + THICKNESS))
         foam = mps.Material(density=density, youngs_modulus=2e6, poissons_ratio=0.3)
         plates.append(mps.Body(name=f"plate_{density:.0f}", shape=shape, material=foam, spacing=L0))
-    thick, high = 4 * L0, 0.12
-    sides = {"left": box(-thick, 0, 0, high), "right": box(WIDTH, WIDTH + thick, 0, high)}
-    floor = {"floor": box(-thick, WIDTH + thick, -thick, 0)}
+    walls = mps.tank((0.0, 0.0), (WIDTH, 0.12), L0, layers=4)
     probes = [mps.Probe(name=plate.name, body=plate.name, quantity="position") for plate in plates]
     return mps.Scene(
         name="floating_plates",
         bodies=tuple(plates),
-        fluids=tuple(fluids),
-        walls=tuple(mps.Wall(name=name, shape=shape, spacing=L0) for name, shape in (floor | sides).items()),
+        fluids=(mps.fill_to(DEPTH, walls),),
+        walls=walls,
         probes=(*probes, mps.Probe(name="level", point=(GAP / 2, 0.0), quantity="elevation")),
         contact=mps.Contact(between="none"),
         gravity=(0.0, -9.81),

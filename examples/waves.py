@@ -29,7 +29,7 @@ def period(depth: float) -> float:
 
 def tank(depth: float, l0: float) -> mps.Scene:
     """Water in a tank, with a wave amplitude of a twentieth of its depth."""
-    omega, thick = 2.0 * math.pi / period(depth), 4 * l0
+    omega = 2.0 * math.pi / period(depth)
     wave = mps.VelocityField(
         kind="standing_wave",
         amplitude=(0.0, 0.05 * depth * omega),
@@ -38,16 +38,11 @@ def tank(depth: float, l0: float) -> mps.Scene:
         length=2.0 * LENGTH,
         depth=depth,
     )
-    water = mps.Box((LENGTH, depth), center=(LENGTH / 2, depth / 2))
-    side, high = (thick, 1.6 * depth), 0.8 * depth
+    water = mps.Box.from_corners((0.0, 0.0), (LENGTH, depth))
     return mps.Scene(
         name="waves",
         fluids=(mps.Fluid(name="water", shape=water, spacing=l0, velocity_field=wave),),
-        walls=(
-            mps.Wall(name="floor", shape=mps.Box((LENGTH + 2 * thick, thick), center=(0.25, -thick / 2)), spacing=l0),
-            mps.Wall(name="left", shape=mps.Box(side, center=(-thick / 2, high)), spacing=l0),
-            mps.Wall(name="right", shape=mps.Box(side, center=(LENGTH + thick / 2, high)), spacing=l0),
-        ),
+        walls=mps.tank((0.0, 0.0), (LENGTH, 1.6 * depth), l0, layers=4),
         probes=(mps.Probe(name="water", body="water", quantity="position"),),
         measurements=(
             mps.Measurement(name="period", measure="period", probe="water", unit="s", reference=period(depth)),
