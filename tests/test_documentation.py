@@ -94,6 +94,7 @@ def test_the_scripting_page_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     exec(code, scope)
     assert scope["summary"].status == "done"
     assert scope["stress"] > 1e3
+    assert {path.name for path in Path("runs/bracket").iterdir()} >= {"picture.png", "probes.png", "report.html"}
     assert scope["half"] == pytest.approx(-0.01, rel=0.01)
     assert scope["simulation"].time == pytest.approx(0.05, rel=1e-3)
 
