@@ -2,55 +2,52 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
+from warp_mps.scene.fields import attribute, described
 from warp_mps.scene.motions import HarmonicMotion, TableMotion, Vector
 from warp_mps.shapes import Shape
 
 
+@described
 @dataclass(frozen=True, kw_only=True)
 class Support:
-    """A region whose particles are held, along some axes or along all, at rest or on a prescribed motion.
-
-    Attributes:
-        name: Name, unique in the scene.
-        region: Particles whose initial position lies in this shape are held.
-        axes: Held axes (0 is x), all when empty; a roller holds one.
-        bodies: Names of the bodies it acts on, all when empty.
-        motion: Prescribed displacement of the held axes; None holds them at rest.
-        hold_rotation: Whether the particles' rotation is held too; None holds it when every axis is held (a clamp).
-        path: Where it was described, for error messages.
-    """
+    """A region whose particles are held along some axes or along all, at rest or on a prescribed motion."""
 
     name: str
+    """Name, unique in the scene."""
     region: Shape
-    axes: tuple[int, ...] = ()
-    bodies: tuple[str, ...] = ()
+    """Particles whose initial position lies in this shape are held."""
+    axes: tuple[int, ...] = field(default=(), metadata=attribute("mps:axes", axes="stage"))
+    """Held axes, all if not given; a roller holds one."""
+    bodies: tuple[str, ...] = field(default=(), metadata=attribute("mps:bodies", refers_to="body"))
+    """Bodies that it acts on, all if not given."""
     motion: HarmonicMotion | TableMotion | None = None
-    hold_rotation: bool | None = None
+    """Prescribed displacement of the held axes; None holds them at rest."""
+    hold_rotation: bool | None = field(default=None, metadata=attribute("mps:holdRotation"))
+    """Whether the particles' rotation is held too; if not given, it is where every axis is held (a clamp)."""
     path: str = ""
+    """Where it was described, for error messages."""
 
 
+@described
 @dataclass(frozen=True, kw_only=True)
 class Load:
-    """A force on the particles of a region: its value times sin(2 pi f t + phase), constant when f = 0.
-
-    Attributes:
-        name: Name, unique in the scene.
-        region: Particles whose initial position lies in this shape are loaded.
-        force: Total force, shared in proportion to mass [N] (2-D: [N/m]).
-        acceleration: Force per mass, added to `force` [m/s^2].
-        frequency: Frequency f [Hz].
-        phase: Phase [rad].
-        bodies: Names of the bodies it acts on, all when empty.
-        path: Where it was described, for error messages.
-    """
+    """A force on the particles of a region: its value times sin(2 pi f t + phase), constant where f = 0."""
 
     name: str
+    """Name, unique in the scene."""
     region: Shape
-    force: Vector | None = None
-    acceleration: Vector | None = None
-    frequency: float = 0.0
-    phase: float = 0.0
-    bodies: tuple[str, ...] = ()
+    """Particles whose initial position lies in this shape are loaded."""
+    force: Vector | None = field(default=None, metadata=attribute("mps:force", unit="N", plane_unit="N/m"))
+    """Total force on the region, shared in proportion to mass; in 2-D per metre of depth."""
+    acceleration: Vector | None = field(default=None, metadata=attribute("mps:acceleration", unit="m/s^2"))
+    """Force per mass, added to the force."""
+    frequency: float = field(default=0.0, metadata=attribute("mps:frequency", unit="Hz", minimum=0.0))
+    """Frequency f of the factor sin(2 pi f t + phase); 0 is a constant load."""
+    phase: float = field(default=0.0, metadata=attribute("mps:phase", unit="rad"))
+    """Phase of the factor."""
+    bodies: tuple[str, ...] = field(default=(), metadata=attribute("mps:bodies", refers_to="body"))
+    """Bodies that it acts on, all if not given."""
     path: str = ""
+    """Where it was described, for error messages."""

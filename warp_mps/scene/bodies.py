@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
+from warp_mps.scene.choices import WallSlipName
+from warp_mps.scene.fields import attribute, described
 from warp_mps.scene.materials import Liquid, Material
 from warp_mps.scene.motions import (
     HarmonicMotion,
@@ -16,54 +18,52 @@ from warp_mps.scene.motions import (
 from warp_mps.shapes import Shape
 
 
+@described
 @dataclass(frozen=True, kw_only=True)
 class Part:
-    """A region of a body that is made of a material of its own: a layer, a core, a stiffener.
-
-    Attributes:
-        name: Name, unique among the parts of the scene.
-        region: The body's particles whose initial position lies in this shape, faces included, are of the material;
-            where parts of a body overlap, the last one counts.
-        material: What the part is made of.
-        path: Where it was described, for error messages.
-    """
+    """A region of a body that is made of a material of its own: a layer, a core, a stiffener."""
 
     name: str
+    """Name, unique among the parts of the scene."""
     region: Shape
+    """The body's particles whose initial position lies in this shape, faces included, are of the material; where parts
+    of a body overlap, the last one counts."""
     material: Material
+    """Material of the part."""
     path: str = ""
+    """Where it was described, for error messages."""
 
 
+@described
 @dataclass(frozen=True, kw_only=True)
 class Body:
-    """An elastic body, filled with particles on a regular lattice.
-
-    Attributes:
-        name: Name, unique in the scene and a valid USD prim name.
-        shape: Region it fills.
-        material: What it is made of.
-        parts: Regions of it that are made of other materials.
-        spacing: Particle spacing l0 [m].
-        velocity: Initial velocity [m/s].
-        angular_velocity: Initial angular velocity about the centre of mass [rad/s]: a number in 2-D, 3 numbers in 3-D.
-        velocity_field: Initial velocity that varies along the body, added to `velocity`.
-        node_axes: Axes of the shape along which the outermost particles lie on its faces; along the others they lie
-            half a spacing inside.
-        bonded_to: Names of bodies that it is joined to: their particles are neighbours as if of one body.
-        path: Where it was described, for error messages.
-    """
+    """An elastic body, filled with particles on a regular lattice."""
 
     name: str
+    """Name, unique in the scene and a valid USD prim name."""
     shape: Shape
+    """Region that it fills."""
     material: Material
+    """Its material."""
     parts: tuple[Part, ...] = ()
-    spacing: float
-    velocity: Vector | None = None
-    angular_velocity: float | Vector | None = None
+    """Regions of it that are made of other materials."""
+    spacing: float = field(metadata=attribute("mps:spacing", unit="m", above=0.0))
+    """Particle spacing l0."""
+    velocity: Vector | None = field(default=None, metadata=attribute("mps:velocity", unit="m/s"))
+    """Initial velocity."""
+    angular_velocity: float | Vector | None = field(
+        default=None, metadata=attribute("mps:angularVelocity", unit="rad/s", nature="axial")
+    )
+    """Initial angular velocity about the centre of mass; in Python a number in 2-D and 3 numbers in 3-D."""
     velocity_field: VelocityField | None = None
-    node_axes: tuple[int, ...] = ()
-    bonded_to: tuple[str, ...] = ()
+    """Initial velocity that varies along the body, added to the velocity."""
+    node_axes: tuple[int, ...] = field(default=(), metadata=attribute("mps:nodeAxes", axes="shape"))
+    """Axes of the shape along which the outermost particles lie on its faces; along the others they lie half a spacing
+    inside."""
+    bonded_to: tuple[str, ...] = field(default=(), metadata=attribute("mps:bondedTo", refers_to="body"))
+    """Bodies that it is joined to: their particles are neighbours as those of one body."""
     path: str = ""
+    """Where it was described, for error messages."""
 
     @property
     def materials(self) -> tuple[Material, ...]:
@@ -71,41 +71,42 @@ class Body:
         return (self.material, *(part.material for part in self.parts))
 
 
+@described
 @dataclass(frozen=True, kw_only=True)
 class Wall:
     """A rigid body that holds fluids and that elastic bodies touch, at rest or on a prescribed motion.
 
     A point X of it is at x = pivot + R(angle) (X - pivot) + displacement. It is filled with particles as a body is;
     walls may overlap each other, and do not touch each other.
-
-    Attributes:
-        name: Name, unique among bodies and walls and a valid USD prim name.
-        shape: Region it fills.
-        spacing: Particle spacing l0 [m].
-        motion: Prescribed displacement; None is none.
-        rotation: Prescribed turn; None is none.
-        friction: Coefficient of friction of bodies on it [-]; None is that of `Contact`.
-        slip: Whether fluid slides along it, one of `WALL_SLIPS`: ``free``, or ``no``, where it sticks.
-        node_axes: Axes of the shape along which the outermost particles lie on its faces, as of a body.
-        path: Where it was described, for error messages.
     """
 
     name: str
+    """Name, unique among bodies and walls and a valid USD prim name."""
     shape: Shape
-    spacing: float
+    """Region that it fills."""
+    spacing: float = field(metadata=attribute("mps:spacing", unit="m", above=0.0))
+    """Particle spacing l0."""
     motion: HarmonicMotion | TableMotion | None = None
+    """Prescribed displacement, None for no motion."""
     rotation: HarmonicRotation | TableRotation | None = None
-    friction: float | None = None
-    slip: str = "free"
-    node_axes: tuple[int, ...] = ()
+    """Prescribed rotation, None for no rotation."""
+    friction: float | None = field(default=None, metadata=attribute("mps:friction", minimum=0.0))
+    """Coefficient of friction of bodies on it; that of the scene's contact if not given."""
+    slip: WallSlipName = field(default="free", metadata=attribute("mps:slip"))
+    """Boundary condition of fluids: free slip or no slip."""
+    node_axes: tuple[int, ...] = field(default=(), metadata=attribute("mps:nodeAxes", axes="shape"))
+    """Axes of the shape along which the outermost particles lie on its faces; along the others they lie half a spacing
+    inside."""
     path: str = ""
+    """Where it was described, for error messages."""
 
     @property
     def moves(self) -> bool:
-        """Whether it is ever elsewhere than it was drawn."""
+        """Whether it has a prescribed motion or rotation."""
         return self.motion is not None or self.rotation is not None
 
 
+@described
 @dataclass(frozen=True, kw_only=True)
 class Fluid:
     """A body of liquid, filled with particles on a regular lattice.
@@ -113,25 +114,26 @@ class Fluid:
     It may be drawn through bodies and walls, and leaves out what they take up: particles inside a solid, and particles
     nearer to one of the solid's particles than a spacing (`warp_mps.particles.displaced_fluid`). A hollow hull is a
     solid only where its shape is: subtract its inside from the fluid, ``shape=sea - inside``, to keep it dry.
-
-    Attributes:
-        name: Name, unique in the scene and a valid USD prim name.
-        shape: Region that it fills at the start.
-        liquid: What it is; the same for all fluids of a scene.
-        spacing: Particle spacing l0 [m]; the same for all fluids of a scene.
-        velocity: Initial velocity [m/s].
-        angular_velocity: Initial angular velocity about the centre of mass [rad/s]: a number in 2-D, 3 numbers in 3-D.
-        velocity_field: Initial velocity that varies, added to `velocity`.
-        node_axes: As those of a body.
-        path: Where it was described, for error messages.
     """
 
     name: str
+    """Name, unique in the scene and a valid USD prim name."""
     shape: Shape
-    spacing: float
+    """Region that it fills at the start."""
+    spacing: float = field(metadata=attribute("mps:spacing", unit="m", above=0.0))
+    """Particle spacing l0; the same for all fluids of a scene."""
     liquid: Liquid = Liquid()
-    velocity: Vector | None = None
-    angular_velocity: float | Vector | None = None
+    """Its liquid; the same for all fluids of a scene."""
+    velocity: Vector | None = field(default=None, metadata=attribute("mps:velocity", unit="m/s"))
+    """Initial velocity."""
+    angular_velocity: float | Vector | None = field(
+        default=None, metadata=attribute("mps:angularVelocity", unit="rad/s", nature="axial")
+    )
+    """Initial angular velocity about the centre of mass; in Python a number in 2-D and 3 numbers in 3-D."""
     velocity_field: VelocityField | None = None
-    node_axes: tuple[int, ...] = ()
+    """Initial velocity that varies in space, added to the velocity."""
+    node_axes: tuple[int, ...] = field(default=(), metadata=attribute("mps:nodeAxes", axes="shape"))
+    """Axes of the shape along which the outermost particles lie on its faces; along the others they lie half a spacing
+    inside."""
     path: str = ""
+    """Where it was described, for error messages."""

@@ -6,13 +6,16 @@ import functools
 import hashlib
 import sys
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from types import CodeType
 from typing import Any
 
 import numpy as np
 
+from warp_mps.scene.fields import attribute, described
 
+
+@described
 @dataclass(frozen=True, kw_only=True, repr=False)
 class BodyForce:
     """A force per mass that depends on place and time, beside the scene's gravity.
@@ -32,18 +35,16 @@ class BodyForce:
 
     A run is resumed only with the same function: its code and the values that it encloses are compared, but not the
     global variables that it reads.
-
-    Attributes:
-        name: Name, unique in the scene.
-        acceleration: The function, which gives the force per mass [m/s^2].
-        acts_on: Names of the bodies and fluids that it acts on, all when empty. Fluids are one liquid: all or none.
-        path: Where it was described, for error messages.
     """
 
     name: str
-    acceleration: Callable
+    """Name, unique in the scene."""
+    acceleration: Callable = field(metadata=attribute(unit="m/s^2"))
+    """The function, which gives the force per mass."""
     acts_on: tuple[str, ...] = ()
+    """Names of the bodies and fluids that it acts on, all if empty. Fluids are one liquid: all or none."""
     path: str = ""
+    """Where it was described, for error messages."""
 
     def __repr__(self) -> str:
         """The fields, with the function as `function_identity` tells it, which is the same in every process."""

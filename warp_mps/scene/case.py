@@ -2,91 +2,92 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import Literal
 
 from warp_mps.scene.actions import Load, Support
 from warp_mps.scene.bodies import Body, Fluid, Wall
 from warp_mps.scene.body_force import BodyForce
+from warp_mps.scene.choices import AnalysisName, IntegratorName, OutputName, PlaneModelName
+from warp_mps.scene.fields import attribute, described
 from warp_mps.scene.materials import Material
 from warp_mps.scene.motions import Vector
 from warp_mps.scene.numerics import Contact, Elasticity, Flow, StageFrame
 from warp_mps.scene.probes import Measurement, Probe
 
 
+@described
 @dataclass(frozen=True, kw_only=True)
 class Scene:
     """A case: everything that a run needs to know, in SI units.
-
-    Attributes:
-        name: Name of the case.
-        description: What it is, in a line or more.
-        bodies: Elastic bodies; none in a scene of fluids.
-        duration: Simulated time [s].
-        dimension: 2 or 3.
-        plane: ``strain`` or ``stress``, in 2-D.
-        gravity: Acceleration of gravity [m/s^2], shape [dimension].
-        fluids: Bodies of liquid.
-        walls: Rigid bodies, at rest or moved.
-        supports: Held regions.
-        loads: Forces.
-        body_forces: Forces per mass that depend on place and time; they cannot be saved in a stage.
-        probes: Recorded quantities.
-        measurements: Numbers drawn from the probes, with their references.
-        elasticity: The elastic model.
-        contact: Contact between bodies.
-        flow: How fluids are computed.
-        damping: Mass-proportional damping: force -damping * m * v, and likewise a torque where particles rotate [1/s].
-        outputs: What frames of bodies hold beside positions, velocities and pressure, names of `OUTPUTS`.
-        frame_rate: Saved frames per simulated second [1/s].
-        sample_rate: Rows of probes.csv per simulated second, a multiple of `frame_rate` [1/s]; None is `frame_rate`.
-        time_step: Time step [s]; None derives it from `courant`. Frames and rows then come every so many whole steps,
-            as near to their rates as that allows.
-        analysis: ``dynamic``, or ``static``: equilibrium under loads, weight and moving supports, which grow together
-            with the load factor. The load factor stands for the time, from 0 to `duration`; 1 is all of them.
-        load_steps: Increments in which a static load grows to all of it; each makes a frame and a row.
-        integrator: ``explicit``, or ``implicit``: steps of any length by the theta rule, of `time_step` or those of the
-            water about the bodies. ``auto`` is explicit for bodies alone; in water see
-            `warp_mps.coupling.integrator_choice`.
-        theta: Theta of that rule: 0.5 keeps the energy, 1 damps most (`warp_mps.elastic.implicit.theta_rule`). Explicit
-            steps in water are damped as much (`warp_mps.coupling.integrator_choice`).
-        courant: Time step in units of l0 / c_p, c_p the speed of pressure waves [-], and at most 0.9
-            of what is stable for small deformations.
-        stage: How the scene lies in its stage; None is the x-y plane, or x, y, z in 3-D, of a stage in SI units.
-        path: Where it was described, for error messages.
 
     Raises:
         InputError: Something in it is not allowed; see `warp_mps.scene.validation.scene`.
     """
 
     bodies: tuple[Body, ...] = ()
-    duration: float
+    """Elastic bodies; may be empty in a scene of fluids."""
+    duration: float = field(metadata=attribute("mps:duration", unit="s", above=0.0))
+    """Simulated time."""
     name: str = "case"
+    """Name of the case."""
     description: str = ""
-    dimension: int = 2
-    plane: str = "strain"
-    gravity: Vector = ()
+    """Description of the case, a line or more."""
+    dimension: Literal[2, 3] = field(default=2, metadata=attribute("mps:dimension", stage_default=3))
+    """Number of dimensions."""
+    plane: PlaneModelName = field(default="strain", metadata=attribute("mps:planeModel"))
+    """Plane strain or plane stress, in 2-D."""
+    gravity: Vector = field(default=(), metadata=attribute(unit="m/s^2"))
+    """Acceleration of gravity, shape [dimension]; no gravity if empty."""
     fluids: tuple[Fluid, ...] = ()
+    """Bodies of liquid."""
     walls: tuple[Wall, ...] = ()
+    """Rigid bodies, at rest or moved as prescribed."""
     supports: tuple[Support, ...] = ()
+    """Held regions."""
     loads: tuple[Load, ...] = ()
+    """Forces."""
     body_forces: tuple[BodyForce, ...] = ()
+    """Forces per mass that depend on place and time; they cannot be saved in a stage."""
     probes: tuple[Probe, ...] = ()
+    """Recorded quantities."""
     measurements: tuple[Measurement, ...] = ()
+    """Numbers drawn from the probes, with their references."""
     elasticity: Elasticity = Elasticity()
+    """The elastic model."""
     contact: Contact = Contact()
+    """Contact between bodies."""
     flow: Flow = Flow()
-    damping: float = 0.0
-    outputs: tuple[str, ...] = ()
-    frame_rate: float = 100.0
-    sample_rate: float | None = None
-    time_step: float | None = None
-    analysis: str = "dynamic"
-    load_steps: int = 10
-    integrator: str = "auto"
-    theta: float = 0.55
-    courant: float = 0.25
+    """How fluids are computed."""
+    damping: float = field(default=0.0, metadata=attribute("mps:damping", unit="1/s", minimum=0.0))
+    """Mass-proportional damping of bodies: a force -damping * m * v, and likewise a torque where particles rotate."""
+    outputs: tuple[OutputName, ...] = field(default=(), metadata=attribute("mps:outputs"))
+    """What frames of bodies hold beside positions, velocities and pressure."""
+    frame_rate: float = field(default=100.0, metadata=attribute("mps:frameRate", unit="1/s", above=0.0))
+    """Saved frames per simulated second."""
+    sample_rate: float | None = field(default=None, metadata=attribute("mps:sampleRate", unit="1/s", above=0.0))
+    """Rows of probes.csv per simulated second, a whole multiple of `frame_rate`, and equal to it if not given."""
+    time_step: float | None = field(default=None, metadata=attribute("mps:timeStep", unit="s", above=0.0))
+    """Time step of bodies; derived from `courant` if not given. Frames and rows are then written every whole number of
+    steps, as near to their rates as that allows. Fluids: an upper limit beside that of `flow.courant`."""
+    analysis: AnalysisName = field(default="dynamic", metadata=attribute("mps:analysis"))
+    """Motion in time, or static equilibrium under loads, weight and moving supports, which grow together with the load
+    factor. The load factor takes the place of the time, from 0 to `duration`; at 1 the loads are complete."""
+    load_steps: int = field(default=10, metadata=attribute("mps:loadSteps", minimum=1))
+    """Static analysis: increments to the complete load; each writes a frame and a row."""
+    integrator: IntegratorName = field(default="auto", metadata=attribute("mps:integrator"))
+    """Time integration of elastic bodies: explicit, or implicit by the theta rule with steps of any length, `time_step`
+    or those of the fluid about them. `auto` is explicit for bodies alone, and in fluids where there is contact, a
+    viscosity, or the springs model (`warp_mps.coupling.integrator_choice`)."""
+    theta: float = field(default=0.55, metadata=attribute("mps:theta", minimum=0.5, maximum=1.0))
+    """Theta of the theta rule: 0.5 conserves energy, 1 damps most; explicit steps in fluids are damped as much."""
+    courant: float = field(default=0.25, metadata=attribute("mps:courant", above=0.0))
+    """CFL number of bodies: time step in units of spacing / speed of pressure waves, and at most 0.9 of what is stable
+    for small deformations."""
     stage: StageFrame | None = None
+    """How the scene lies in its stage; None is the x-y plane, or x, y, z in 3-D, of a stage in SI units."""
     path: str = "scene"
+    """Where it was described, for error messages."""
 
     def __post_init__(self) -> None:
         from warp_mps.scene.validation.scene import check_scene

@@ -1,19 +1,86 @@
-"""The words that a scene may use, and the units of what is recorded."""
+"""The closed sets of words that a scene may use, and the units of what is recorded."""
 
 from __future__ import annotations
 
-ANALYSES = ("dynamic", "static")
-INTEGRATORS = ("auto", "explicit", "implicit")
-ELASTIC_MODELS = ("hamiltonian", "springs")
-LAWS = ("st_venant_kirchhoff", "neo_hookean")
-NORMALIZATIONS = ("lattice", "particle")
-PLANE_MODELS = ("strain", "stress")
-CONTACTS = ("none", "bodies", "all")
-INTERPOLATIONS = ("linear", "cubic")
-WALL_SLIPS = ("free", "no")
+from typing import Literal, get_args
+
+AnalysisName = Literal["dynamic", "static"]
+IntegratorName = Literal["auto", "explicit", "implicit"]
+ElasticModelName = Literal["hamiltonian", "springs"]
+LawName = Literal["st_venant_kirchhoff", "neo_hookean"]
+NormalizationName = Literal["lattice", "particle"]
+PlaneModelName = Literal["strain", "stress"]
+ContactName = Literal["none", "bodies", "all"]
+InterpolationName = Literal["linear", "cubic"]
+WallSlipName = Literal["free", "no"]
+VelocityFieldName = Literal[
+    "sine", "free_free_beam", "clamped_free_beam", "twist", "stagnation", "taylor_green", "standing_wave"
+]
+FluidSchemeName = Literal["conservative", "corrected", "koshizuka_oka"]
+NegativePressureName = Literal["clipped", "allowed"]
+OutputName = Literal["stress", "strain", "von_mises", "strain_energy"]
+QuantityName = Literal[
+    "position",
+    "displacement",
+    "velocity",
+    "rotation",
+    "pressure",
+    "stress",
+    "strain",
+    "von_mises",
+    "strain_energy",
+    "section_force",
+    "section_moment",
+    "extent",
+    "lowest",
+    "highest",
+    "momentum",
+    "angular_momentum",
+    "kinetic_energy",
+    "contact_force",
+    "reaction",
+    "contact_moment",
+    "elevation",
+    "volume",
+]
+MeasureName = Literal[
+    "frequency",
+    "period",
+    "amplitude",
+    "offset",
+    "mean",
+    "minimum",
+    "maximum",
+    "midrange",
+    "half_range",
+    "final",
+    "restitution",
+    "contact_time",
+    "harmonic_amplitude",
+    "harmonic_phase",
+    "value_at",
+    "time_at",
+]
+
+ANALYSES: tuple[AnalysisName, ...] = get_args(AnalysisName)
+INTEGRATORS: tuple[IntegratorName, ...] = get_args(IntegratorName)
+ELASTIC_MODELS: tuple[ElasticModelName, ...] = get_args(ElasticModelName)
+LAWS: tuple[LawName, ...] = get_args(LawName)
+NORMALIZATIONS: tuple[NormalizationName, ...] = get_args(NormalizationName)
+PLANE_MODELS: tuple[PlaneModelName, ...] = get_args(PlaneModelName)
+CONTACTS: tuple[ContactName, ...] = get_args(ContactName)
+INTERPOLATIONS: tuple[InterpolationName, ...] = get_args(InterpolationName)
+WALL_SLIPS: tuple[WallSlipName, ...] = get_args(WallSlipName)
+VELOCITY_FIELDS: tuple[VelocityFieldName, ...] = get_args(VelocityFieldName)
+FLUID_SCHEMES: tuple[FluidSchemeName, ...] = get_args(FluidSchemeName)
+NEGATIVE_PRESSURES: tuple[NegativePressureName, ...] = get_args(NegativePressureName)
+OUTPUTS: tuple[OutputName, ...] = get_args(OutputName)
+QUANTITIES: tuple[QuantityName, ...] = get_args(QuantityName)
+MEASURES: tuple[MeasureName, ...] = get_args(MeasureName)
+
 _SHAPE = ("amplitude", "axis", "origin", "length")
-# what each kind of velocity field needs
-VELOCITY_FIELD_PARTS = {
+# fields that each kind of velocity field requires
+VELOCITY_FIELD_PARTS: dict[VelocityFieldName, tuple[str, ...]] = {
     "sine": _SHAPE,
     "free_free_beam": _SHAPE,
     "clamped_free_beam": _SHAPE,
@@ -22,33 +89,30 @@ VELOCITY_FIELD_PARTS = {
     "taylor_green": _SHAPE,
     "standing_wave": (*_SHAPE, "depth"),
 }
-VELOCITY_FIELDS = tuple(VELOCITY_FIELD_PARTS)
-# those that have modes
-MODAL_FIELDS = VELOCITY_FIELDS[:4]
-FLUID_SCHEMES = ("conservative", "corrected", "koshizuka_oka")
-NEGATIVE_PRESSURES = ("clipped", "allowed")
-OUTPUTS = ("stress", "strain", "von_mises", "strain_energy")
-_FIELDS = ("position", "displacement", "velocity", "rotation", "pressure", *OUTPUTS)
-_WHOLE = ("position", "displacement", "velocity", "extent", "lowest", "highest")
-_MASSIVE = ("momentum", "angular_momentum", "kinetic_energy")
-PROBE_QUANTITIES = {
+# kinds that have modes
+MODAL_FIELDS: tuple[VelocityFieldName, ...] = VELOCITY_FIELDS[:4]
+
+_FIELDS: tuple[QuantityName, ...] = ("position", "displacement", "velocity", "rotation", "pressure", *OUTPUTS)
+_WHOLE: tuple[QuantityName, ...] = ("position", "displacement", "velocity", "extent", "lowest", "highest")
+_MASSIVE: tuple[QuantityName, ...] = ("momentum", "angular_momentum", "kinetic_energy")
+PROBE_QUANTITIES: dict[str, tuple[QuantityName, ...]] = {
     "point": _FIELDS,
     "region": (*_FIELDS, "section_force", "section_moment"),
     "body": (*_WHOLE, *_MASSIVE, "contact_force"),
     "support": ("reaction",),
 }
-# what a probe can record of a wall, which has no mass, and in a scene of fluids
-WALL_QUANTITIES = (*_WHOLE, "contact_force", "contact_moment")
-FLUID_QUANTITIES = {
+# quantities of a wall, which has no mass, and of a scene of fluids
+WALL_QUANTITIES: tuple[QuantityName, ...] = (*_WHOLE, "contact_force", "contact_moment")
+FLUID_QUANTITIES: dict[str, tuple[QuantityName, ...]] = {
     "point": ("pressure", "velocity", "elevation"),
     "region": ("pressure", "velocity"),
     "body": ("position", "velocity", "extent", "lowest", "highest", *_MASSIVE, "volume"),
     "support": (),
 }
-# those that are taken about a point
-ABOUT_QUANTITIES = ("section_moment", "contact_moment")
+# quantities that are taken about a point
+ABOUT_QUANTITIES: tuple[QuantityName, ...] = ("section_moment", "contact_moment")
 # unit of each quantity in 2-D, per metre of depth where it is extensive, and in 3-D
-PROBE_UNITS = {
+PROBE_UNITS: dict[QuantityName, tuple[str, str]] = {
     "position": ("m", "m"),
     "displacement": ("m", "m"),
     "velocity": ("m/s", "m/s"),
@@ -72,28 +136,10 @@ PROBE_UNITS = {
     "section_force": ("N/m", "N"),
     "section_moment": ("N", "N m"),
 }
-MEASURES = (
-    "frequency",
-    "period",
-    "amplitude",
-    "offset",
-    "mean",
-    "minimum",
-    "maximum",
-    "midrange",
-    "half_range",
-    "final",
-    "restitution",
-    "contact_time",
-    "harmonic_amplitude",
-    "harmonic_phase",
-    "value_at",
-    "time_at",
-)
 # measures that need `Measurement.at`
-AT_MEASURES = ("value_at", "time_at")
-# units of what is not in the unit of its probe
-MEASURE_UNITS = {
+AT_MEASURES: tuple[MeasureName, ...] = ("value_at", "time_at")
+# units of measures that do not have the unit of their probe
+MEASURE_UNITS: dict[MeasureName, tuple[str, ...]] = {
     "frequency": ("rad/s", "Hz"),
     "period": ("s",),
     "contact_time": ("s",),

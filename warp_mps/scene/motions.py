@@ -1,15 +1,19 @@
-"""How things move: initial velocities that vary in space, and prescribed displacements and turns."""
+"""Initial velocities that vary in space, and prescribed displacements and rotations."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
+
+from warp_mps.scene.choices import InterpolationName, VelocityFieldName
+from warp_mps.scene.fields import attribute, described
 
 Vector = Sequence[float]
 
 
+@described
 @dataclass(frozen=True, kw_only=True)
 class VelocityField:
     """An initial velocity that varies in space, in beams as v(x) = amplitude * shape(mode, s / length).
@@ -28,97 +32,92 @@ class VelocityField:
     - ``standing_wave``: linear waves as they pass through the level, on water from q = 0, the bottom, to q = depth
       (Lamb, Hydrodynamics, section 228):
       (amplitude * cos(k s) sinh(k q) - axis * abs(amplitude) * sin(k s) cosh(k q)) / sinh(k depth).
-
-    Attributes:
-        kind: One of `VELOCITY_FIELDS`; `VELOCITY_FIELD_PARTS` says what each needs.
-        amplitude: Velocity where the shape is 1 [m/s]; of a standing wave that of its crests.
-        rate: Angular velocity where the shape is 1, of ``twist`` [rad/s]; rate of stretching, of ``stagnation`` [1/s].
-        axis: Direction along which the shape varies; its length does not matter.
-        origin: Point where s = 0 [m]; the axis of a twist goes through it.
-        length: Length of the body along the axis; wave length of what repeats itself [m].
-        depth: Depth of the water of a standing wave [m].
-        mode: Number of the mode, from 1, of a body.
     """
 
-    kind: str
-    amplitude: Vector | None = None
-    rate: float | None = None
-    axis: Vector
-    origin: Vector
-    length: float | None = None
-    depth: float | None = None
-    mode: int = 1
+    kind: VelocityFieldName = field(metadata=attribute("mps:velocityField"))
+    """Initial velocity that varies in space."""
+    amplitude: Vector | None = field(default=None, metadata=attribute("mps:velocityField:amplitude", unit="m/s"))
+    """Velocity where the shape is 1, of all kinds but `twist` and `stagnation`; of a standing wave that of its
+    crests."""
+    rate: float | None = field(default=None, metadata=attribute("mps:velocityField:rate", unit="rad/s"))
+    """`twist`: angular velocity where the shape is 1; `stagnation`: rate of strain."""
+    axis: Vector = field(metadata=attribute("mps:velocityField:axis"))
+    """Direction along which the shape varies, of any length; axis of a twist."""
+    origin: Vector = field(metadata=attribute("mps:velocityField:origin", unit="m", nature="point"))
+    """Point where the shape begins, s = 0; the axis of a twist goes through it."""
+    length: float | None = field(default=None, metadata=attribute("mps:velocityField:length", unit="m", above=0.0))
+    """Length over which the shape varies; wave length of `taylor_green` and `standing_wave`."""
+    depth: float | None = field(default=None, metadata=attribute("mps:velocityField:depth", unit="m", above=0.0))
+    """`standing_wave`: depth of the water."""
+    mode: int = field(default=1, metadata=attribute("mps:velocityField:mode", minimum=1))
+    """Number of the mode of a body."""
 
 
+@described
 @dataclass(frozen=True, kw_only=True)
 class HarmonicMotion:
     """A prescribed displacement amplitude * (sin(2 pi f t + phase) - sin(phase)), zero at t = 0.
 
-    With a phase of 0 it sets out at its full speed, 2 pi f amplitude, which is an impact on what it touches; with a
-    phase of pi/2 or -pi/2 from rest, to the other side of the amplitude or to its own.
-
-    Attributes:
-        amplitude: Amplitude of each component [m].
-        frequency: Frequency f [Hz].
-        phase: Phase [rad].
+    With a phase of 0 it starts at its full speed, 2 pi f amplitude, which is an impact on what it touches; with a
+    phase of pi/2 or -pi/2 it starts from rest, to the other side of the amplitude or to its own.
     """
 
-    amplitude: Vector
-    frequency: float
-    phase: float = 0.0
+    amplitude: Vector = field(metadata=attribute("mps:motion:amplitude", unit="m"))
+    """Amplitude of the displacement amplitude (sin(2 pi f t + phase) - sin(phase))."""
+    frequency: float = field(metadata=attribute("mps:motion:frequency", unit="Hz", above=0.0))
+    """Frequency f of the displacement."""
+    phase: float = field(default=0.0, metadata=attribute("mps:motion:phase", unit="rad"))
+    """Phase of the displacement."""
 
 
+@described
 @dataclass(frozen=True, kw_only=True)
 class TableMotion:
-    """A prescribed displacement, between the rows of a table, and constant outside it.
+    """A prescribed displacement, interpolated between the rows of a table and constant outside it."""
 
-    Attributes:
-        times: Times, increasing [s], shape [n].
-        displacements: Displacements [m], shape [n, dimension].
-        interpolation: ``linear``, or ``cubic``: the spline that is at rest at both ends, whose velocity and
-            acceleration are continuous between them.
-    """
-
-    times: np.ndarray
-    displacements: np.ndarray
-    interpolation: str = "linear"
+    times: np.ndarray = field(metadata=attribute("mps:motion:times", unit="s"))
+    """Times of the rows of a table of displacements, increasing, shape [n]."""
+    displacements: np.ndarray = field(metadata=attribute("mps:motion:displacements", kind="double3[]", unit="m"))
+    """Displacements at these times, zero at t = 0, shape [n, dimension]."""
+    interpolation: InterpolationName = field(default="linear", metadata=attribute("mps:motion:interpolation"))
+    """Interpolation between the rows: linear, or the cubic spline that is at rest at both ends, whose velocity and
+    acceleration are continuous."""
 
 
+@described
 @dataclass(frozen=True, kw_only=True)
 class HarmonicRotation:
-    """A prescribed turn by an angle amplitude * (sin(2 pi f t + phase) - sin(phase)), zero at t = 0.
+    """A prescribed rotation by an angle amplitude * (sin(2 pi f t + phase) - sin(phase)), zero at t = 0.
 
-    With a phase of 0 it sets out at its full rate, 2 pi f amplitude, with one of pi/2 or -pi/2 from rest.
-
-    Attributes:
-        amplitude: Amplitude [rad].
-        frequency: Frequency f [Hz].
-        phase: Phase [rad].
-        pivot: Point of the undisplaced scene that it turns about [m]; a motion carries it along.
-        axis: Direction that it turns about, of any length, shape [3]; in 2-D it is the normal, whatever is given.
+    With a phase of 0 it starts at its full rate, 2 pi f amplitude, with one of pi/2 or -pi/2 from rest.
     """
 
-    amplitude: float
-    frequency: float
-    phase: float = 0.0
-    pivot: Vector
-    axis: Vector = ()
+    amplitude: float = field(metadata=attribute("mps:rotation:amplitude", unit="rad"))
+    """Amplitude of the angle amplitude (sin(2 pi f t + phase) - sin(phase))."""
+    frequency: float = field(metadata=attribute("mps:rotation:frequency", unit="Hz", above=0.0))
+    """Frequency f of the angle."""
+    phase: float = field(default=0.0, metadata=attribute("mps:rotation:phase", unit="rad"))
+    """Phase of the angle."""
+    pivot: Vector = field(metadata=attribute("mps:rotation:pivot", unit="m", nature="point"))
+    """Point of the undisplaced scene that it rotates about; a motion carries it along."""
+    axis: Vector = field(default=(), metadata=attribute("mps:rotation:axis", nature="axial"))
+    """Axis of rotation by the right-hand rule, of any length, shape [3]; in 2-D it is the normal of the plane, and need
+    not be given."""
 
 
+@described
 @dataclass(frozen=True, kw_only=True)
 class TableRotation:
-    """A prescribed turn by the angles of a table, and constant outside it.
+    """A prescribed rotation by the angles of a table, constant outside it."""
 
-    Attributes:
-        times: Times, increasing [s], shape [n].
-        angles: Angles [rad], shape [n].
-        pivot: Point of the undisplaced scene that it turns about [m]; a motion carries it along.
-        axis: Direction that it turns about, of any length, shape [3]; in 2-D it is the normal, whatever is given.
-        interpolation: ``linear`` or ``cubic``, as of a `TableMotion`.
-    """
-
-    times: np.ndarray
-    angles: np.ndarray
-    pivot: Vector
-    axis: Vector = ()
-    interpolation: str = "linear"
+    times: np.ndarray = field(metadata=attribute("mps:rotation:times", unit="s"))
+    """Times of the rows of a table of angles, increasing, shape [n]."""
+    angles: np.ndarray = field(metadata=attribute("mps:rotation:angles", unit="rad"))
+    """Angles at these times, zero at t = 0, shape [n]."""
+    pivot: Vector = field(metadata=attribute("mps:rotation:pivot", unit="m", nature="point"))
+    """Point of the undisplaced scene that it rotates about; a motion carries it along."""
+    axis: Vector = field(default=(), metadata=attribute("mps:rotation:axis", nature="axial"))
+    """Axis of rotation by the right-hand rule, of any length, shape [3]; in 2-D it is the normal of the plane, and need
+    not be given."""
+    interpolation: InterpolationName = field(default="linear", metadata=attribute("mps:rotation:interpolation"))
+    """Interpolation between the rows, as of a motion."""

@@ -1,91 +1,93 @@
-"""How a case is computed, and how it lies in its stage."""
+"""Numerical models and their parameters, and the frame of the stage."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
+from warp_mps.scene.choices import (
+    ContactName,
+    ElasticModelName,
+    FluidSchemeName,
+    NegativePressureName,
+    NormalizationName,
+)
+from warp_mps.scene.fields import attribute, described
 from warp_mps.scene.motions import Vector
 
-# by how much neighbour lists reach beyond the effective radius, in particle spacings
+# reach of neighbour lists beyond the effective radius, in particle spacings
 SKIN = 0.3
 
 
+@described
 @dataclass(frozen=True, kw_only=True)
 class Elasticity:
-    """The elastic model and its choices, the same for every body of a scene.
+    """The elastic model and its parameters, the same for every body of a scene."""
 
-    Attributes:
-        model: ``hamiltonian``, accurate and for large strains, or ``springs``, the paper's.
-        effective_radius: Effective radius r_e in units of the particle spacing [-].
-        normalization: What the operators of ``springs`` are normalized by: ``lattice`` (n0 of a full lattice, as in
-            eq. 14) or ``particle`` (the particle's own n_i, as in eq. 6).
-        control: Strength with which ``hamiltonian`` resists zero-energy modes [-]. The default is the most accurate up
-            to some 16 particles through a thickness; 0.65 to 0.7 shows the second order already from 8 on.
-    """
-
-    model: str = "hamiltonian"
-    effective_radius: float = 1.5
-    normalization: str = "lattice"
-    control: float = 0.5
+    model: ElasticModelName = field(default="hamiltonian", metadata=attribute("mps:elasticModel"))
+    """Elastic model: `hamiltonian`, accurate and for large strains, or `springs`, that of the paper."""
+    effective_radius: float = field(default=1.5, metadata=attribute("mps:effectiveRadius", minimum=1.1, maximum=5.0))
+    """Effective radius r_e in particle spacings."""
+    normalization: NormalizationName = field(default="lattice", metadata=attribute("mps:normalization"))
+    """What the operators of `springs` are normalized by: `lattice` (n0 of a full lattice, as in eq. 14) or `particle`
+    (the particle's own n_i, as in eq. 6)."""
+    control: float = field(default=0.5, metadata=attribute("mps:control", minimum=0.0, maximum=10.0))
+    """Hourglass control of `hamiltonian`: resistance to zero-energy modes. The default is the most accurate up to some
+    16 particles through a thickness; 0.65 to 0.7 shows the second order already from 8 on."""
 
 
+@described
 @dataclass(frozen=True, kw_only=True)
 class Contact:
-    """How bodies and walls repel each other where their faces meet; `warp_mps.elastic.contact.law` gives the law.
+    """How bodies and walls repel each other where their faces meet; `warp_mps.elastic.contact.law` gives the law."""
 
-    Attributes:
-        between: ``bodies`` (different bodies), ``all`` (also a body and itself), or ``none``. A body does not see
-            itself across a gap that is narrower than two spacings.
-        stiffness: Pressure of a small penetration in units of E penetration / l0 [-], E of the softer material.
-        friction: Coefficient of Coulomb friction [-]; 0 is none.
-    """
-
-    between: str = "bodies"
-    stiffness: float = 1.0
-    friction: float = 0.0
+    between: ContactName = field(default="bodies", metadata=attribute("mps:contact"))
+    """Contact between different bodies (`bodies`), also of a body with itself (`all`), or none. A body does not touch
+    itself across a gap that is narrower than two spacings."""
+    stiffness: float = field(default=1.0, metadata=attribute("mps:contactStiffness", above=0.0))
+    """Pressure of a small penetration in units of E penetration / spacing, E of the softer material."""
+    friction: float = field(default=0.0, metadata=attribute("mps:friction", minimum=0.0))
+    """Coefficient of Coulomb friction of contacts."""
 
 
+@described
 @dataclass(frozen=True, kw_only=True)
 class Flow:
-    """How fluids are computed, the same for all of a scene.
+    """How fluids are computed, the same for all of a scene."""
 
-    Attributes:
-        scheme: One of `FLUID_SCHEMES`: ``conservative`` (pair forces equal and opposite), ``corrected`` (gradients
-            exact for linear pressures, with shifting), or the original MPS, ``koshizuka_oka``.
-        effective_radius: Effective radius r_e in units of the particle spacing [-]; None is 3.1 in 2-D, 2.1 in 3-D.
-        negative_pressure: ``clipped`` where water would have to pull, or ``allowed``.
-        tolerance: True residual of the pressure solve, relative to its right-hand side [-].
-        courant: Largest time step in units of l0 / u, u the speed of the fastest particle [-].
-        domain: Lowest and highest corner of the region that is computed [m]; particles that leave it are counted and
-            left out. None is a wide box about all particles.
-        periodic: Axes along which the domain repeats itself (0 is x).
-    """
-
-    scheme: str = "conservative"
-    effective_radius: float | None = None
-    negative_pressure: str = "clipped"
-    tolerance: float = 1e-4
-    courant: float = 0.2
-    domain: tuple[Vector, Vector] | None = None
-    periodic: tuple[int, ...] = ()
+    scheme: FluidSchemeName = field(default="conservative", metadata=attribute("mps:fluidScheme"))
+    """Fluids: pair forces that are equal and opposite (`conservative`), gradients exact for linear pressures with
+    particle shifting (`corrected`), or the original MPS method (`koshizuka_oka`)."""
+    effective_radius: float | None = field(
+        default=None, metadata=attribute("mps:fluidEffectiveRadius", minimum=1.5, maximum=4.1)
+    )
+    """Fluids: effective radius r_e in particle spacings; if not given, 3.1 in 2-D and 2.1 in 3-D."""
+    negative_pressure: NegativePressureName = field(default="clipped", metadata=attribute("mps:negativePressure"))
+    """Fluids: whether negative pressures are clipped, or the liquid can bear tension."""
+    tolerance: float = field(default=1e-4, metadata=attribute("mps:pressureTolerance", above=0.0, maximum=0.1))
+    """Fluids: true residual of the pressure Poisson equation, relative to its right-hand side."""
+    courant: float = field(default=0.2, metadata=attribute("mps:fluidCourant", above=0.0, maximum=1.0))
+    """Fluids: CFL number, the largest time step in units of spacing / speed of the fastest particle."""
+    domain: tuple[Vector, Vector] | None = field(default=None, metadata=attribute(unit="m"))
+    """Lowest and highest corner of the region that is computed; particles that leave it are counted and left out. None
+    is a wide box about all particles."""
+    periodic: tuple[int, ...] = field(default=(), metadata=attribute("mps:periodicAxes", axes="stage"))
+    """Fluids: axes along which the domain is periodic."""
 
     def radius(self, dimension: int) -> float:
         """Effective radius in units of the particle spacing [-], in 2 or 3 dimensions."""
         return self.effective_radius or (3.1 if dimension == 2 else 2.1)
 
 
+@described
 @dataclass(frozen=True, kw_only=True)
 class StageFrame:
-    """How the scene lies in the stage that it was read from, and in which results are written.
-
-    Attributes:
-        axes: The stage's axes along which the scene's axes lie: ``xyz`` in 3-D, and ``xy``, ``xz`` or ``yz`` in 2-D.
-        up_axis: Up axis of the stage, ``Y`` or ``Z``.
-        meters_per_unit: Length of the stage's unit [m].
-        kilograms_per_unit: Mass of the stage's unit [kg].
-    """
+    """How the scene lies in the stage that it was read from, and in which results are written."""
 
     axes: str = "xy"
+    """The stage's axes along which the scene's axes lie: ``xyz`` in 3-D, and ``xy``, ``xz`` or ``yz`` in 2-D."""
     up_axis: str = "Y"
-    meters_per_unit: float = 1.0
-    kilograms_per_unit: float = 1.0
+    """Up axis of the stage, ``Y`` or ``Z``."""
+    meters_per_unit: float = field(default=1.0, metadata=attribute(unit="m", above=0.0))
+    """Length of the stage's unit."""
+    kilograms_per_unit: float = field(default=1.0, metadata=attribute(unit="kg", above=0.0))
+    """Mass of the stage's unit."""

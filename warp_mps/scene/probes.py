@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
+from warp_mps.scene.choices import MeasureName, QuantityName
+from warp_mps.scene.fields import attribute, described
 from warp_mps.scene.motions import Vector
 from warp_mps.shapes import Shape
 
 
+@described
 @dataclass(frozen=True, kw_only=True)
 class Probe:
     """A quantity recorded through the run: at a point, averaged over a region, of a body or wall, or of a support.
@@ -26,28 +29,27 @@ class Probe:
     A `contact_force` on a wall is that of the bodies or the fluid that touch it, and `contact_moment` its moment about
     the point `about`, which moves with the wall. `lowest` and `highest` are the bounds of the space that a body's
     particles, half a spacing wide to each side, take up along every axis, and `extent` their difference.
-
-    Attributes:
-        name: Name, the column of probes.csv.
-        quantity: What is recorded.
-        point: Point of the undeformed scene, inside a body [m]; in a scene of fluids any point.
-        region: Shape over whose particles the mean is taken.
-        body: Name of a body, a wall or a fluid.
-        support: Name of a support.
-        about: Point of the undeformed scene about which a moment is taken [m], of a `section_moment` inside a body.
-        moves_with: In a scene of fluids, name of the wall that the point is fixed to; None leaves it where it is.
-        path: Where it was described, for error messages.
     """
 
     name: str
-    quantity: str = "displacement"
-    point: Vector | None = None
+    """Name, the column of probes.csv."""
+    quantity: QuantityName = field(default="displacement", metadata=attribute("mps:quantity"))
+    """Recorded quantity, one of those that its place has."""
+    point: Vector | None = field(default=None, metadata=attribute(unit="m"))
+    """Point of the undeformed scene, inside a body; in a scene of fluids any point."""
     region: Shape | None = None
+    """Shape over whose particles the mean is taken."""
     body: str | None = None
+    """Name of a body, a wall or a fluid."""
     support: str | None = None
-    about: Vector | None = None
-    moves_with: str | None = None
+    """Name of a support."""
+    about: Vector | None = field(default=None, metadata=attribute("mps:about", unit="m", nature="point"))
+    """Point of the undeformed scene about which a moment is taken: of a `section_moment` inside a body, of a
+    `contact_moment` anywhere."""
+    moves_with: str | None = field(default=None, metadata=attribute("mps:movesWith", refers_to="wall"))
+    """In a scene of fluids, the wall that the point is fixed to; it stays where it is if not given."""
     path: str = ""
+    """Where it was described, for error messages."""
 
     @property
     def where(self) -> str:
@@ -55,33 +57,32 @@ class Probe:
         return next((kind for kind in ("body", "support", "region") if getattr(self, kind) is not None), "point")
 
 
+@described
 @dataclass(frozen=True, kw_only=True)
 class Measurement:
-    """A number drawn from a probe's history after the run, beside the value it should have.
-
-    Attributes:
-        name: Name of the result, e.g. ``first mode``.
-        measure: How it is drawn, one of `MEASURES` (`warp_mps.results.measures` defines each).
-        probe: Name of the probe.
-        component: Component of the probe, counted from 0; `warp_mps.scene.components` gives their order.
-        unit: Unit of the value, for display; ``Hz`` makes a ``frequency`` cycles a second, else it is in rad/s.
-        reference: The value to expect, if one is known.
-        source: Where the reference comes from.
-        start: Beginning of the history that is used [s].
-        end: End of the history that is used [s]; None is the end of the run.
-        frequency: Frequency of the harmonic measures [Hz].
-        at: The time of ``value_at`` [s], the value of ``time_at`` in the unit of its probe.
-    """
+    """A number drawn from a probe's history after the run, beside the value it should have."""
 
     name: str
-    measure: str
-    probe: str
+    """Name of the result, such as ``first mode``."""
+    measure: MeasureName = field(metadata=attribute("mps:measure"))
+    """How the number is drawn from the history of the probe (`warp_mps.results.measures` defines each)."""
+    probe: str = field(metadata=attribute("mps:probe", refers_to="probe"))
+    """The probe."""
     component: int = 0
-    unit: str = ""
-    reference: float | None = None
-    source: str = ""
-    start: float = 0.0
-    end: float | None = None
-    frequency: float = 0.0
-    at: float | None = None
+    """Component of the probe, counted from 0; `warp_mps.scene.components` gives their order."""
+    unit: str = field(default="", metadata=attribute("mps:unit"))
+    """SI unit of the value, for display; `Hz` makes a `frequency` cycles a second, else it is in rad/s."""
+    reference: float | None = field(default=None, metadata=attribute("mps:reference"))
+    """Expected value, if one is known, in the unit of the measurement, which is an SI unit."""
+    source: str = field(default="", metadata=attribute("mps:source"))
+    """Source of the reference."""
+    start: float = field(default=0.0, metadata=attribute("mps:start", unit="s"))
+    """Beginning of the history that is used."""
+    end: float | None = field(default=None, metadata=attribute("mps:end", unit="s", finite=False))
+    """End of the history that is used; the end of the run if not given."""
+    frequency: float = field(default=0.0, metadata=attribute("mps:frequency", unit="Hz"))
+    """Frequency of the harmonic measures."""
+    at: float | None = field(default=None, metadata=attribute("mps:at"))
+    """Time of `value_at`, in s; value of `time_at`, in the SI unit of its probe."""
     path: str = ""
+    """Where it was described, for error messages."""
