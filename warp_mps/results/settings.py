@@ -1,13 +1,11 @@
 """The settings of a case as plain values under names with units, for run.json and for people.
 
-Names, and their units, are those of the scene's dataclasses and of what their documentation says in brackets.
+Names and units are those of the fields of the scene's dataclasses.
 """
 
 from __future__ import annotations
 
 import dataclasses
-import inspect
-import re
 from collections.abc import Sequence
 from typing import Any
 
@@ -15,10 +13,14 @@ import numpy as np
 
 from warp_mps.scene import Scene
 from warp_mps.scene.body_force import function_identity
-from warp_mps.shapes import Box
+from warp_mps.scene.fields import units_of
+from warp_mps.shapes import Box, Shape
 
 # said elsewhere, or of no use to a reader of results
 LEFT_OUT = {"path", "name", "measurements"}
+# units of the fields of shapes
+_SHAPE_UNITS = dict.fromkeys(("size", "center", "radius", "height", "inner_radius", "points", "positions"), "m")
+_SHAPE_UNITS["velocities"] = "m/s"
 # arrays with more numbers are given by their shape
 LONGEST = 24
 
@@ -44,7 +46,7 @@ def scene_settings(scene: Scene) -> dict[str, Any]:
 
 
 def _fields(item: Any, dimension: int) -> dict[str, Any]:
-    units = _units(type(item), dimension)
+    units = units_of(type(item), dimension) | (_SHAPE_UNITS if isinstance(item, Shape) else {})
     found = {}
     for field in dataclasses.fields(item):
         value = getattr(item, field.name)
@@ -92,18 +94,3 @@ _OBVIOUS = {
     "VelocityField",
     "Wall",
 }
-
-
-def _units(kind: type, dimension: int) -> dict[str, str]:
-    """Units of the fields of a dataclass: the first brackets in what is said of each, in 2-D those said to be of it."""
-    text = inspect.getdoc(kind) or ""
-    said = dict(
-        re.findall(r"^    (\w+): ((?:.*\n?)(?:        .*\n?)*)", text.partition("Attributes:")[2], re.MULTILINE)
-    )
-    units = {}
-    for name, words in said.items():
-        plane = re.search(r"2-D: \[([^\]]+)\]", words) if dimension == 2 else None
-        found = plane or re.search(r"(?<!shape )\[([^\]]+)\]", words)
-        if found and found[1] != "-":
-            units[name] = found[1]
-    return units

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Literal
 
 from warp_mps.scene.actions import Load, Support
 from warp_mps.scene.bodies import Body, Fluid, Wall
@@ -33,7 +32,7 @@ class Scene:
     """Name of the case."""
     description: str = ""
     """Description of the case, a line or more."""
-    dimension: Literal[2, 3] = field(default=2, metadata=attribute("mps:dimension", stage_default=3))
+    dimension: int = field(default=2, metadata=attribute("mps:dimension", allowed=(2, 3), stage_default=3))
     """Number of dimensions."""
     plane: PlaneModelName = field(default="strain", metadata=attribute("mps:planeModel"))
     """Plane strain or plane stress, in 2-D."""

@@ -62,6 +62,7 @@ class Attribute:
         kind: Type in a stage; empty where the annotation of the field says it.
         unit: SI unit, in 2-D that of a 3-D scene; empty for what has none.
         plane_unit: Unit in a 2-D scene where it is another one.
+        allowed: Allowed numbers; allowed words stand in the annotation, as a `Literal`.
         above: The value must be above this number.
         minimum: Least allowed value.
         maximum: Greatest allowed value.
@@ -77,6 +78,7 @@ class Attribute:
     kind: str = ""
     unit: str = ""
     plane_unit: str = ""
+    allowed: tuple[int, ...] = ()
     above: float | None = None
     minimum: float | None = None
     maximum: float | None = None

@@ -1,30 +1,23 @@
-"""The codeless schema plugin, written from the table of attributes.
+"""The codeless schema plugin and the tables of `stages/README.md`, generated from the table of attributes.
 
-``python -m warp_mps.usd.schema_source`` writes its two files anew after the table has changed.
+``python -m warp_mps.usd.schema_source`` regenerates the files after a field of the scene has changed.
 """
 
 from __future__ import annotations
 
 import json
+import re
+from pathlib import Path
 
 from warp_mps.usd import SCHEMA
-from warp_mps.usd.case.attributes import ROLE, ROLES, TABLE
-from warp_mps.usd.case.rows import Attribute
+from warp_mps.usd.case.attributes import CLASSES, ROLE, ROLES, TABLE, StageAttribute
 
 PLUGIN = "warpMps"
-MEANINGS = {
-    "scene": "How a case is run, on its PhysicsScene prim.",
-    "body": "An elastic body, filled with particles.",
-    "part": "A region of a body that is made of a material of its own.",
-    "wall": "A rigid body that others touch, at rest or on a prescribed motion.",
-    "fluid": "A body of liquid, filled with particles.",
-    "liquid": "An incompressible, Newtonian liquid.",
-    "material": "A linear elastic material.",
-    "support": "A region whose particles are held or moved.",
-    "load": "A region whose particles are pulled.",
-    "probe": "A quantity that is recorded.",
-    "measurement": "A number drawn from a probe, and the value to expect.",
-}
+# where the tables of attributes stand, in a copy of the source
+README = Path(__file__).parents[2] / "stages" / "README.md"
+
+_HEAD = "| attribute | type | unit | default | allowed | meaning |\n|---|---|---|---|---|---|\n"
+_TABLE = re.compile(r"(<!-- attributes: (\w+) -->\n).*?(<!-- end of attributes -->)", re.DOTALL)
 
 
 def schema_name(role: str) -> str:
@@ -52,25 +45,36 @@ def plug_info() -> str:
 
 def generated_schema() -> str:
     """Text of generatedSchema.usda."""
-    head = (
-        '#usda 1.0\n(\n    "Written from warp_mps/usd/case/rows.py by warp_mps/usd/schema_source.py; do not edit."\n)\n'
-    )
+    note = "Generated from the classes of warp_mps/scene by warp_mps/usd/schema_source.py; do not edit."
+    head = f'#usda 1.0\n(\n    "{note}"\n)\n'
     return head + "".join(_schema(role) for role in TABLE)
 
 
-def reference_row(row: Attribute) -> str:
-    """Row of an attribute in the reference of stages/README.md."""
-    default = "required" if row.required else "" if row.default is None else _shown(row)
-    allowed = f" ({', '.join(f'`{value}`' for value in row.allowed)})" if row.allowed else ""
-    return f"| `{row.name}` | {row.kind} | {row.unit or '-'} | {default or '-'} | {row.meaning}{allowed} |"
+def reference(text: str) -> str:
+    """The text of a README whose tables of attributes, each between two comments, are regenerated."""
+    return _TABLE.sub(lambda found: found[1] + reference_table(found[2]) + found[3], text)
 
 
-def _shown(row: Attribute) -> str:
+def reference_table(role: str) -> str:
+    """Table of the attributes of a role, a line each."""
+    return _HEAD + "".join(f"{_reference_row(row)}\n" for row in TABLE[role].values())
+
+
+def _reference_row(row: StageAttribute) -> str:
+    default = "required" if row.required else _default(row)
+    allowed = ", ".join(f"`{word}`" for word in row.allowed) or row.known.limits
+    return f"| `{row.name}` | {row.kind} | {row.unit or '-'} | {default or '-'} | {allowed or '-'} | {row.meaning} |"
+
+
+def _default(row: StageAttribute) -> str:
+    """The default of an attribute in words; of one in the units of the stage in SI units."""
+    if row.default is None:
+        return f"{row.si_default:g} {row.known.unit}" if row.si_default else ""
     return " ".join(str(row.default).split()) if row.default != "" else "empty"
 
 
 def _schema(role: str) -> str:
-    lines = [f'class "{schema_name(role)}" (', f"    doc = {_quoted(MEANINGS[role])}", ")", "{"]
+    lines = [f'class "{schema_name(role)}" (', f"    doc = {_quoted(_summary(role))}", ")", "{"]
     if role in ROLES:
         lines += [f"    token {ROLE} (", f"        allowedTokens = {_tokens(ROLES)}"]
         lines += ['        doc = "What the prim is in the case."', "    )"]
@@ -79,8 +83,9 @@ def _schema(role: str) -> str:
     return "\n".join(["", *lines, "}", ""])
 
 
-def _property(row: Attribute) -> list[str]:
-    meaning = row.meaning + (f" [{row.unit}]" if row.unit else "")
+def _property(row: StageAttribute) -> list[str]:
+    more = "; ".join(part for part in (row.unit, row.known.limits) if part)
+    meaning = row.meaning + (f" [{more}]" if more else "")
     default = "" if row.default is None or row.kind == "rel" else f" = {_value(row)}"
     allowed = (
         [f"        allowedTokens = {_tokens(row.allowed)}"] if row.allowed and row.kind.startswith("token") else []
@@ -88,7 +93,12 @@ def _property(row: Attribute) -> list[str]:
     return [f"    {row.kind} {row.name}{default} (", *allowed, f"        doc = {_quoted(meaning)}", "    )"]
 
 
-def _value(row: Attribute) -> str:
+def _summary(role: str) -> str:
+    """What a role is: the first paragraph of the docstring of its class."""
+    return " ".join((CLASSES[role].__doc__ or "").split("\n\n")[0].split())
+
+
+def _value(row: StageAttribute) -> str:
     return _quoted(row.default) if row.kind in ("token", "string") else str(row.default)
 
 
@@ -103,3 +113,5 @@ def _quoted(text: str) -> str:
 if __name__ == "__main__":
     (SCHEMA / "plugInfo.json").write_text(plug_info(), encoding="utf-8")
     (SCHEMA / "generatedSchema.usda").write_text(generated_schema(), encoding="utf-8")
+    if README.exists():
+        README.write_text(reference(README.read_text(encoding="utf-8")), encoding="utf-8")

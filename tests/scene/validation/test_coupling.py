@@ -36,10 +36,15 @@ BROKEN: list[tuple[str, str, str, Callable[[], object]]] = [
     ("/World/block", "spacing", "must be that of fluid 'water', ", lambda: scene(spaced(L0 / 1.5))),
     ("/World/block", "spacing", "or a whole part of it", lambda: scene(spaced(2.0 * L0))),
     ("/World/block", "spacing", "is 0.0199 m", lambda: scene(spaced(0.0199))),
-    ("/World", "contact", "must be 'none'", lambda: scene(integrator="implicit", contact=Contact(between="all"))),
     (
         "/World",
-        "contact",
+        "contact.between",
+        "must be 'none'",
+        lambda: scene(integrator="implicit", contact=Contact(between="all")),
+    ),
+    (
+        "/World",
+        "contact.between",
         "must be 'none'",
         lambda: scene(BLOCK, lump([8, 3], [1, 2], name="other"), integrator="implicit"),
     ),

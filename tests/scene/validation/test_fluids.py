@@ -54,7 +54,7 @@ def probe(**fields: Any) -> dict[str, Any]:
 
 BROKEN: list[tuple[str, str, str, dict[str, Any]]] = [
     ("/World", "bodies", "no body and no fluid", {"fluids": ()}),
-    ("/World/water", "density", "above 0", fluid(liquid=Liquid(density=0.0))),
+    ("/World/water", "liquid.density", "above 0", fluid(liquid=Liquid(density=0.0))),
     ("/World/oil", "density", "above 0", fluid(liquid=Liquid(density=-1.0, path="/World/oil"))),
     ("/World/oil", "viscosity", "at least 0", fluid(liquid=Liquid(viscosity=-1e-6, path="/World/oil"))),
     ("/World/water", "spacing", "above 0", fluid(spacing=0.0)),

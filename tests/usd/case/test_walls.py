@@ -95,7 +95,7 @@ def test_a_wall_and_a_body_of_one_name_go_by_their_paths(tmp_path: Path) -> None
         (("double mps:spacing = 9",), "mps:spacing", "thinner than one particle"),
         (("rel mps:bodies = </Beam>",), "mps:bodies", "is not known here"),
         (TURN[:2], "mps:rotation:pivot", "is missing: the rotation needs it"),
-        (TURN[2:], "mps:rotation:amplitude", "nothing turns"),
+        (TURN[2:], "mps:rotation:amplitude", "a rotation needs one of them"),
         (TURN[1:], "mps:rotation:amplitude", "is missing: the rotation needs it"),
         ((*TURN, "double[] mps:rotation:times = [0, 1]"), "mps:rotation:amplitude", "beside a table of angles"),
         ((*TURN, "double3 mps:rotation:axis = (1, 0, 0)"), "mps:rotation:axis", "along the normal of the plane xy"),

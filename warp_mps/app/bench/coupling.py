@@ -17,10 +17,11 @@ from warp_mps.app.printing import console
 from warp_mps.coupling.hydroelastic import Hydroelastic
 from warp_mps.run.simulation import Simulation
 from warp_mps.scene import Body, Contact, Flow, Fluid, Material, Scene, Support, Wall
+from warp_mps.scene.choices import IntegratorName
 
 # default numbers of fluid particles by dimension
 SIZES: dict[int, tuple[int, ...]] = {2: (1_000, 10_000), 3: (10_000,)}
-WAYS = ("explicit", "implicit")
+WAYS: tuple[IntegratorName, ...] = ("explicit", "implicit")
 # wood; spacings of 1 m
 PLATE = Material(500.0, 1e9, 0.3)
 # longest steps of the water in an interval; numbers of warm-up and of measured intervals
@@ -61,7 +62,7 @@ def bench_coupling(sizes: Sequence[int], *, dimensions: Sequence[int], precision
     return 0
 
 
-def column(dimension: int, size: int, way: str) -> Scene:
+def column(dimension: int, size: int, way: IntegratorName) -> Scene:
     """A cube of about `size` particles of water on a plate that is held beyond the walls about the water."""
     width, thick = max(6, round(size ** (1.0 / dimension))), THICK[dimension]
     low, high = [-float(thick)] * (dimension - 2), [float(width + thick)] * (dimension - 2)

@@ -16,6 +16,7 @@ from warp_mps.particles.filling import count_particles
 from warp_mps.run.cost import available_memory, memory_of
 from warp_mps.run.simulation import Simulation
 from warp_mps.scene import Body, Elasticity, Material, Scene
+from warp_mps.scene.choices import ElasticModelName
 from warp_mps.shapes import Box
 
 # default numbers of particles
@@ -28,7 +29,7 @@ ROUNDS = 3
 def bench_solid(
     sizes: Sequence[int],
     *,
-    models: Sequence[str],
+    models: Sequence[ElasticModelName],
     dimensions: Sequence[int],
     precisions: Sequence[str],
     device: str,
@@ -75,7 +76,7 @@ def fits(scene: Scene, size: int) -> bool:
     return False
 
 
-def block(model: str, dimension: int, size: int) -> Scene:
+def block(model: ElasticModelName, dimension: int, size: int) -> Scene:
     """A square or cubic block of about `size` particles, stretching and shrinking freely."""
     side = round(size ** (1.0 / dimension))
     material = Material(density=1000.0, youngs_modulus=1e6, poissons_ratio=0.3)

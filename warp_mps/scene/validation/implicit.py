@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from warp_mps import scene as sc
 from warp_mps.scene.bonds import bonded_bodies
-from warp_mps.scene.validation.rules import choice, in_range, place, require
+from warp_mps.scene.validation.rules import place, require
 
 if TYPE_CHECKING:
     from warp_mps.scene import Scene
@@ -19,11 +19,6 @@ def check_implicit(scene: Scene) -> None:
         InputError: Something is not allowed.
     """
     where = scene.path
-    choice(scene.analysis, sc.ANALYSES, where, "analysis")
-    choice(scene.integrator, sc.INTEGRATORS, where, "integrator")
-    in_range(scene.theta, 0.5, 1.0, where, "theta")
-    good = isinstance(scene.load_steps, int) and scene.load_steps >= 1
-    require(good, where, "load_steps", f"is {scene.load_steps}, must be a whole number of at least 1")
     if scene.analysis == "static":
         require(not scene.fluids, where, "analysis", "is 'static', which is for elastic bodies: fluids flow")
         _at_rest(scene)
@@ -33,13 +28,13 @@ def check_implicit(scene: Scene) -> None:
     word, attribute = (scene.analysis, "analysis") if scene.analysis == "static" else (scene.integrator, "integrator")
     model = scene.elasticity.model
     reason = f"is {model!r}, which has no tangent; {word!r} needs hamiltonian"
-    require(model == "hamiltonian", where, "model", reason)
+    require(model == "hamiltonian", where, "elasticity.model", reason)
     if not scene.fluids:  # which have walls of their own
         require(not scene.walls, where, attribute, f"is {word!r}, which knows no walls: use supports")
     require(
         not touches(scene),
         where,
-        "contact",
+        "contact.between",
         f"is {scene.contact.between!r}; {word!r} knows no contact: it must be 'none'",
     )
     if scene.analysis == "dynamic":
@@ -73,6 +68,7 @@ def _in_steps(scene: Scene) -> None:
         require(scene.time_step is not None, scene.path, "time_step", reason)
     for body in scene.bodies:
         for material in body.materials:
-            where = material.path if material.path != "material" else place(body, "body")
+            own = material.path != "material"
+            where, prefix = (material.path, "") if own else (place(body, "body"), "material.")
             reason = "is not known to implicit steps, which damp by theta"
-            require(material.retardation_time == 0.0, where, "retardation_time", reason)
+            require(material.retardation_time == 0.0, where, f"{prefix}retardation_time", reason)

@@ -6,7 +6,6 @@ support that holds nothing, a probe outside every body) is checked where they ar
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -18,13 +17,9 @@ from warp_mps.scene.validation.body_forces import check_body_forces
 from warp_mps.scene.validation.coupling import check_coupling
 from warp_mps.scene.validation.fluids import check_fluids, check_velocity_field
 from warp_mps.scene.validation.implicit import check_implicit
+from warp_mps.scene.validation.limits import check_limits
 from warp_mps.scene.validation.probes import check_measurement, check_probe, names_of_bodies
-from warp_mps.scene.validation.rules import choice as _choice
-from warp_mps.scene.validation.rules import in_range as _range
-from warp_mps.scene.validation.rules import place
-from warp_mps.scene.validation.rules import positive as _positive
-from warp_mps.scene.validation.rules import require as _require
-from warp_mps.scene.validation.rules import vector as _vector
+from warp_mps.scene.validation.rules import choice, place, require, vector
 from warp_mps.scene.validation.types import check_types
 
 if TYPE_CHECKING:
@@ -39,10 +34,12 @@ def check_scene(scene: Scene) -> None:
     Raises:
         InputError: The first thing found that is not allowed.
     """
-    check_types(scene, scene.path if isinstance(scene.path, str) else "scene")
-    _scene_numbers(scene)
+    where = scene.path if isinstance(scene.path, str) else "scene"
+    check_types(scene, where)
+    check_limits(scene, where)
+    _scene_fields(scene)
     _frame(scene)
-    _require(bool(scene.bodies or scene.fluids), scene.path, "bodies", "there is no body and no fluid to simulate")
+    require(bool(scene.bodies or scene.fluids), scene.path, "bodies", "there is no body and no fluid to simulate")
     _unique(scene)
     for body in scene.bodies:
         _body(scene, body)
@@ -65,42 +62,22 @@ def check_scene(scene: Scene) -> None:
         check_measurement(scene, measurement)
 
 
-def _scene_numbers(scene: Scene) -> None:
+def _scene_fields(scene: Scene) -> None:
     where = scene.path
-    _require(scene.dimension in (2, 3), where, "dimension", f"is {scene.dimension}, must be 2 or 3")
-    _choice(scene.plane, sc.PLANE_MODELS, where, "plane")
-    _choice(scene.elasticity.model, sc.ELASTIC_MODELS, where, "model")
-    _choice(scene.elasticity.normalization, sc.NORMALIZATIONS, where, "normalization")
-    _choice(scene.contact.between, sc.CONTACTS, where, "contact")
-    _positive(scene.contact.stiffness, where, "contact_stiffness")
-    _range(scene.contact.friction, 0.0, math.inf, where, "friction")
-    _positive(scene.duration, where, "duration")
-    _positive(scene.frame_rate, where, "frame_rate")
-    _positive(scene.courant, where, "courant")
-    _range(scene.elasticity.effective_radius, 1.1, 5.0, where, "effective_radius")
-    _range(scene.elasticity.control, 0.0, 10.0, where, "control")
-    _range(scene.damping, 0.0, math.inf, where, "damping")
-    for output in scene.outputs:
-        _choice(output, sc.OUTPUTS, where, "outputs")
-    _require(len({*scene.outputs}) == len(scene.outputs), where, "outputs", "names a quantity twice")
+    require(len({*scene.outputs}) == len(scene.outputs), where, "outputs", "names a quantity twice")
     if scene.sample_rate is not None:
-        _positive(scene.sample_rate, where, "sample_rate")
         ratio = scene.sample_rate / scene.frame_rate
         good = ratio > 0.5 and abs(ratio - round(ratio)) < 1e-6 * ratio
         reason = f"is {scene.sample_rate:g}, must be a whole multiple of the frame rate, {scene.frame_rate:g}"
-        _require(good, where, "sample_rate", reason)
-    if scene.time_step is not None:
-        _positive(scene.time_step, where, "time_step")
+        require(good, where, "sample_rate", reason)
     if len(scene.gravity):
-        _vector(scene.gravity, scene.dimension, where, "gravity")
+        vector(scene.gravity, scene.dimension, where, "gravity")
 
 
 def _frame(scene: Scene) -> None:
     frame = scene.frame
-    _choice(frame.axes, ("xyz",) if scene.dimension == 3 else ("xy", "xz", "yz"), scene.path, "stage.axes")
-    _choice(frame.up_axis, ("Y", "Z"), scene.path, "stage.up_axis")
-    _positive(frame.meters_per_unit, scene.path, "stage.meters_per_unit")
-    _positive(frame.kilograms_per_unit, scene.path, "stage.kilograms_per_unit")
+    choice(frame.axes, ("xyz",) if scene.dimension == 3 else ("xy", "xz", "yz"), scene.path, "stage.axes")
+    choice(frame.up_axis, ("Y", "Z"), scene.path, "stage.up_axis")
 
 
 def _unique(scene: Scene) -> None:
@@ -117,14 +94,14 @@ def _unique(scene: Scene) -> None:
     for kind, items in groups.items():
         seen: set[str] = set()
         for item in items:
-            _require(item.name not in seen, place(item, kind), "name", f"{item.name!r} is used twice")
-            _require(bool(item.name), place(item, kind), "name", "is empty")
+            require(item.name not in seen, place(item, kind), "name", f"{item.name!r} is used twice")
+            require(bool(item.name), place(item, kind), "name", "is empty")
             seen.add(item.name)
     kinds: dict[str, str] = {}
     for kind in ("body", "wall", "fluid"):
         for item in groups[kind]:
             other = kinds.setdefault(item.name, kind)
-            _require(other == kind, place(item, kind), "name", f"{item.name!r} is also that of a {other}")
+            require(other == kind, place(item, kind), "name", f"{item.name!r} is also that of a {other}")
 
 
 def _body(scene: Scene, body: Body) -> None:
@@ -140,64 +117,56 @@ def _body(scene: Scene, body: Body) -> None:
 def _start(scene: Scene, item: Body | Fluid, where: str) -> None:
     """The initial velocity of a body or a fluid."""
     if item.velocity is not None:
-        _vector(item.velocity, scene.dimension, where, "velocity")
+        vector(item.velocity, scene.dimension, where, "velocity")
     if item.angular_velocity is not None:
-        _vector(np.atleast_1d(item.angular_velocity), 1 if scene.dimension == 2 else 3, where, "angular_velocity")
+        vector(np.atleast_1d(item.angular_velocity), 1 if scene.dimension == 2 else 3, where, "angular_velocity")
     if item.velocity_field is not None:
         check_velocity_field(item.velocity_field, scene, where)
 
 
 def _filled(item: Body | Wall | Fluid, where: str) -> None:
     """What all that is filled with particles has in common."""
-    _require(item.name.isidentifier(), where, "name", f"is {item.name!r}, must be letters, digits and _ as in a prim's")
-    _positive(item.spacing, where, "spacing")
-    _require(all(axis in (0, 1, 2) for axis in item.node_axes), where, "node_axes", "must be axes among x, y and z")
+    require(item.name.isidentifier(), where, "name", f"is {item.name!r}, must be letters, digits and _ as in a prim's")
+    require(all(axis in (0, 1, 2) for axis in item.node_axes), where, "node_axes", "must be axes among x, y and z")
 
 
 def _wall(scene: Scene, wall: Wall) -> None:
     where = place(wall, "wall")
     _filled(wall, where)
-    _choice(wall.slip, sc.WALL_SLIPS, where, "slip")
-    if wall.friction is not None:
-        _range(wall.friction, 0.0, math.inf, where, "friction")
     _motion(wall.motion, scene, where)
     _rotation(wall.rotation, scene, where)
 
 
 def _material(material: Material, scene: Scene, body: str) -> None:
-    where = material.path if material.path != "material" else body
-    _positive(material.density, where, "density")
-    _positive(material.youngs_modulus, where, "youngs_modulus")
-    _choice(material.law, sc.LAWS, where, "law")
-    _range(material.retardation_time, 0.0, math.inf, where, "retardation_time")
+    own = material.path != "material"
+    where, prefix = (material.path, "") if own else (body, "material.")
     good = material.retardation_time == 0.0 or scene.elasticity.model != "springs"
-    _require(good, where, "retardation_time", "is for the hamiltonian model: springs takes the scene's damping only")
+    reason = "is for the hamiltonian model: springs takes the scene's damping only"
+    require(good, where, f"{prefix}retardation_time", reason)
     linear = material.law == "st_venant_kirchhoff"
     good = linear or scene.elasticity.model != "springs"
-    _require(good, where, "law", f"is {material.law!r}, which the springs model does not know; use hamiltonian")
+    reason = f"is {material.law!r}, which the springs model does not know; use hamiltonian"
+    require(good, where, f"{prefix}law", reason)
     plane_stress = scene.dimension == 2 and scene.plane == "stress" and linear
     upper = 1.0 if plane_stress else 0.5
-    good = math.isfinite(material.poissons_ratio) and -1.0 < material.poissons_ratio < upper
+    good = -1.0 < material.poissons_ratio < upper
     kind = "plane stress" if plane_stress else "plane strain" if scene.dimension == 2 else "3-D"
     reason = f"is {material.poissons_ratio:g}, must lie between -1 and {upper:g} (both excluded) in {kind}"
-    _require(good, where, "poissons_ratio", reason)
+    require(good, where, f"{prefix}poissons_ratio", reason)
 
 
 def _support(scene: Scene, support: Support) -> None:
     where = place(support, "support")
     good = all(axis in range(scene.dimension) for axis in support.axes) and len({*support.axes}) == len(support.axes)
-    _require(good, where, "axes", f"must be different axes of the scene's {scene.dimension} dimensions")
+    require(good, where, "axes", f"must be different axes of the scene's {scene.dimension} dimensions")
     names_of_bodies(support.bodies, scene, where, "bodies")
     _motion(support.motion, scene, where)
 
 
 def _motion(motion: sc.HarmonicMotion | sc.TableMotion | None, scene: Scene, where: str) -> None:
     if isinstance(motion, sc.HarmonicMotion):
-        _vector(motion.amplitude, scene.dimension, where, "motion.amplitude")
-        _positive(motion.frequency, where, "motion.frequency")
-        _require(math.isfinite(motion.phase), where, "motion.phase", "must be finite")
+        vector(motion.amplitude, scene.dimension, where, "motion.amplitude")
     elif isinstance(motion, sc.TableMotion):
-        _choice(motion.interpolation, sc.INTERPOLATIONS, where, "motion.interpolation")
         rows = np.asarray(motion.displacements, float)
         _table(motion.times, rows, (scene.dimension,), motion.interpolation, where, ("motion", "displacements"))
 
@@ -205,16 +174,11 @@ def _motion(motion: sc.HarmonicMotion | sc.TableMotion | None, scene: Scene, whe
 def _rotation(rotation: sc.HarmonicRotation | sc.TableRotation | None, scene: Scene, where: str) -> None:
     if rotation is None:
         return
-    _vector(rotation.pivot, scene.dimension, where, "rotation.pivot")
+    vector(rotation.pivot, scene.dimension, where, "rotation.pivot")
     if scene.dimension == 3:
-        _vector(rotation.axis, 3, where, "rotation.axis")
-        _require(np.linalg.norm(rotation.axis) > 0.0, where, "rotation.axis", "has no length")
-    if isinstance(rotation, sc.HarmonicRotation):
-        _require(math.isfinite(rotation.amplitude), where, "rotation.amplitude", "must be finite")
-        _positive(rotation.frequency, where, "rotation.frequency")
-        _require(math.isfinite(rotation.phase), where, "rotation.phase", "must be finite")
-    else:
-        _choice(rotation.interpolation, sc.INTERPOLATIONS, where, "rotation.interpolation")
+        vector(rotation.axis, 3, where, "rotation.axis")
+        require(np.linalg.norm(rotation.axis) > 0.0, where, "rotation.axis", "has no length")
+    if isinstance(rotation, sc.TableRotation):
         rows = np.asarray(rotation.angles, float)
         _table(rotation.times, rows, (), rotation.interpolation, where, ("rotation", "angles"))
 
@@ -224,28 +188,26 @@ def _table(
 ) -> None:
     """Check a table whose rows have a shape; `names` are those of the motion and of its rows."""
     times, at, of_rows = np.asarray(instants, float), f"{names[0]}.times", f"{names[0]}.{names[1]}"
-    _require(times.ndim == 1 and len(times) >= 2, where, at, "must hold at least two times")
+    require(times.ndim == 1 and len(times) >= 2, where, at, "must hold at least two times")
     good = np.isfinite(times) & (times > np.roll(times, 1))
     good[0] = np.isfinite(times[0])
     worst = int(np.argmin(good))
     reason = f"has {times[worst]:g} s after {times[max(worst - 1, 0)]:g} s, must be finite and increase"
-    _require(bool(good.all()), where, at, reason)
+    require(bool(good.all()), where, at, reason)
     reason = (
         f"has shape {rows.shape}, must have one {'vector' if shape else 'number'} for each of the {len(times)} times"
     )
-    _require(rows.shape == (len(times), *shape), where, of_rows, reason)
-    _require(bool(np.all(np.isfinite(rows))), where, of_rows, "must be finite")
+    require(rows.shape == (len(times), *shape), where, of_rows, reason)
+    require(bool(np.all(np.isfinite(rows))), where, of_rows, "must be finite")
     start = table_values(times, rows.reshape(len(times), -1), kind, 0.0)
-    _require(not np.any(start), where, of_rows, "must be 0 at t = 0, where the particles are")
+    require(not np.any(start), where, of_rows, "must be 0 at t = 0, where the particles are")
 
 
 def _load(scene: Scene, load: Load) -> None:
     where = place(load, "load")
     given = load.force is not None or load.acceleration is not None
-    _require(given, where, "force", "neither a force nor an acceleration is given")
+    require(given, where, "force", "neither a force nor an acceleration is given")
     for name in ("force", "acceleration"):
         if getattr(load, name) is not None:
-            _vector(getattr(load, name), scene.dimension, where, name)
-    _range(load.frequency, 0.0, math.inf, where, "frequency")
-    _require(math.isfinite(load.phase), where, "phase", "must be finite")
+            vector(getattr(load, name), scene.dimension, where, name)
     names_of_bodies(load.bodies, scene, where, "bodies")

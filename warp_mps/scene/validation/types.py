@@ -6,8 +6,8 @@ import dataclasses
 import functools
 import types
 import typing
-from collections.abc import Callable, Sequence
-from typing import Any
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any, Literal
 
 import numpy as np
 
@@ -41,16 +41,34 @@ def check_types(record: Any, where: str, prefix: str = "") -> None:
     for name, hint in _hints(record.__class__).items():
         value = getattr(record, name)
         if not _fits(value, hint):
-            raise InputError(where, prefix + name, f"is {_shown(value)}, must be {_wording(hint)}")
-        items = value if isinstance(value, tuple | list) else [value]
+            word, options = _wrong_word(value, hint)
+            allowed = f"one of: {', '.join(options)}" if options else _wording(hint)
+            raise InputError(where, prefix + name, f"is {_shown(word)}, must be {allowed}")
+    for name, item, item_place in records(record, where, prefix):
+        check_types(item, item_place, name)
+
+
+def records(record: Any, where: str, prefix: str = "") -> Iterator[tuple[str, Any, str]]:
+    """The records in the fields of a record, each with what stands before its fields' names and what errors call it."""
+    for name in _hints(record.__class__):
+        value = getattr(record, name)
         item: Any
-        for item in items:
+        for item in value if isinstance(value, tuple | list) else [value]:
             if not dataclasses.is_dataclass(item) or isinstance(item, Shape):  # shapes check themselves
                 continue
             if hasattr(item, "name"):
-                check_types(item, place(item, type(item).__name__.lower()))  # type: ignore[arg-type]
+                yield "", item, place(item, type(item).__name__.lower())  # type: ignore[arg-type]
+            elif _own_path(item):
+                yield "", item, _own_path(item)
             else:
-                check_types(item, where, f"{prefix}{name}.")
+                yield f"{prefix}{name}.", item, where
+
+
+def _own_path(item: Any) -> str:
+    """Path of a record that was described at a place of its own, such as a material; empty for others."""
+    default = next((field.default for field in dataclasses.fields(item) if field.name == "path"), "")
+    path = getattr(item, "path", "")
+    return path if isinstance(path, str) and path != default else ""
 
 
 @functools.cache
@@ -63,6 +81,8 @@ def _fits(value: Any, hint: Any) -> bool:
     origin, inner = typing.get_origin(hint), typing.get_args(hint)
     if origin in (typing.Union, types.UnionType):
         return any(_fits(value, option) for option in inner)
+    if origin is Literal:
+        return any(_fits(value, type(word)) and value == word for word in inner)
     if origin is tuple:
         return isinstance(value, tuple | list) and _fit(value, inner)
     if origin is Sequence or hint is np.ndarray or origin is np.ndarray:
@@ -75,6 +95,17 @@ def _fit(values: Sequence[Any], hints: Sequence[Any]) -> bool:
     if hints[-1] is Ellipsis:
         return all(_fits(item, hints[0]) for item in values)
     return len(values) == len(hints) and all(map(_fits, values, hints))
+
+
+def _wrong_word(value: Any, hint: Any) -> tuple[Any, tuple[str, ...]]:
+    """The value, or the item of a tuple, that is not one of the words of a closed set, and these words."""
+    for option in (hint, *typing.get_args(hint)):
+        if typing.get_origin(option) is Literal:
+            items = value if option is not hint and isinstance(value, tuple | list) else [value]
+            if option is hint or isinstance(value, tuple | list):
+                wrong = [item for item in items if not _fits(item, option)]
+                return wrong[0], tuple(str(word) for word in typing.get_args(option))
+    return value, ()
 
 
 def _are_numbers(value: Any) -> bool:
@@ -98,6 +129,8 @@ def _wording(hint: Any) -> str:
         return " or ".join(_wording(option) for option in inner)
     if origin is tuple:
         kinds = {float: "numbers", int: "whole numbers", str: "texts"}
+        if typing.get_origin(inner[0]) is Literal:
+            return "a tuple of texts"
         vectors = typing.get_origin(inner[0]) is not None
         return f"a tuple of {'vectors' if vectors else kinds.get(inner[0]) or _plural(inner[0].__name__)}"
     if origin is Sequence or hint is np.ndarray or origin is np.ndarray:

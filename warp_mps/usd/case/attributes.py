@@ -48,6 +48,7 @@ class StageAttribute:
         meaning: What it says.
         known: What is known of the field.
         default: Value when it is not given; None when there is none, or when it depends on the units of the stage.
+        si_default: Default in SI units, where it depends on the units of the stage.
         allowed: Allowed words.
         required: Whether it must be given.
         scalar_in_plane: Whether an axial vector is a plain number in a 2-D scene.
@@ -59,8 +60,9 @@ class StageAttribute:
     kind: str
     field: str
     meaning: str
-    known: Attribute = Attribute()
+    known: Attribute
     default: Any = None
+    si_default: float | None = None
     allowed: tuple[str, ...] = ()
     required: bool = False
     scalar_in_plane: bool = False
@@ -185,26 +187,26 @@ def _rows_of(kind: type, prefix: str = "", *, optional: bool = False) -> list[St
             rows[name] = _row(kind, name, hints[name], prefix, optional=optional)
             continue
         for option in _options(hints[name]):
-            if dataclasses.is_dataclass(option) and "path" not in attributes_of(option):  # type: ignore[arg-type]
+            if isinstance(option, type) and dataclasses.is_dataclass(option) and "path" not in attributes_of(option):
                 found = _rows_of(option, f"{prefix}{name}.", optional=type(None) in typing.get_args(hints[name]))
                 rows |= {row.field: row for row in found if row.field not in rows}
     return list(rows.values())
 
 
 def _row(kind: type, name: str, hint: Any, prefix: str, *, optional: bool) -> StageAttribute:
-    known, default = attributes_of(kind)[name], default_of(kind, name)
-    missing, given = default is dataclasses.MISSING, known.stage_default
-    scales = UNITS.get(known.unit)
-    if missing or isinstance(default, tuple) or (scales and default):
-        default = None
+    known, default, given = attributes_of(kind)[name], default_of(kind, name), attributes_of(kind)[name].stage_default
+    missing = default is dataclasses.MISSING
+    in_units = bool(known.unit in UNITS and not missing and default)
+    plain = None if missing or in_units or isinstance(default, tuple) else default
     return StageAttribute(
         name=known.name,
         kind=known.kind or _kind(hint, known),
         field=prefix + name,
         meaning=meanings(kind).get(name, ""),
         known=known,
-        default=default if given is None else given,
-        allowed=tuple(str(word) for word in _words(hint)),
+        default=plain if given is None else given,
+        si_default=default if in_units else None,
+        allowed=tuple(str(word) for word in known.allowed or _words(hint)),
         required=missing and not optional,
         scalar_in_plane=float in _options(hint) and known.nature == "axial",
         single=str in _options(hint),
@@ -230,8 +232,7 @@ def _kind(hint: Any, known: Attribute) -> str:
     if known.axes:
         return "token"
     if _words(hint):
-        plain = "int" if isinstance(_words(hint)[0], int) else "token"
-        return "token[]" if typing.get_origin(hint) is tuple else plain
+        return "token[]" if typing.get_origin(hint) is tuple else "token"
     options = _options(hint)
     if any(typing.get_origin(option) is Sequence for option in options):
         return "double3"

@@ -14,6 +14,7 @@ from warp_mps.scene import (
     Body,
     Contact,
     Elasticity,
+    Flow,
     Fluid,
     Liquid,
     Load,
@@ -27,7 +28,7 @@ from warp_mps.scene import (
 )
 from warp_mps.scene.components import component_names
 from warp_mps.shapes import Shape, particle_count
-from warp_mps.usd.case import parts
+from warp_mps.usd.case import motions, stage_contents
 from warp_mps.usd.case.attributes import ROLE, stage_error
 from warp_mps.usd.case.geometry import has_shape, read_shape
 from warp_mps.usd.case.layers import reason_of
@@ -81,32 +82,24 @@ class _Reader:
     def __init__(self, stage: Usd.Stage, path: str) -> None:
         self.stage = stage
         prims = list(stage.Traverse(Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)))
-        self.physics = parts.physics_scene(prims, path)
-        self.parts = parts.by_role(prims)
+        self.physics = stage_contents.physics_scene(prims, path)
+        self.parts = stage_contents.by_role(prims)
         if not self.parts["body"] and not self.parts["fluid"]:
             raise InputError(path, "", f'there is no body and no fluid: no prim has {ROLE} = "body" or "fluid"')
-        self.names = {role: parts.unique_names(prims) for role, prims in self.parts.items()}
+        self.names = {role: stage_contents.unique_names(prims) for role, prims in self.parts.items()}
         # bodies, walls and fluids stand side by side in results
-        filled = parts.unique_names([prim for role in FILLED for prim in self.parts[role]])
+        filled = stage_contents.unique_names([prim for role in FILLED for prim in self.parts[role]])
         for role in FILLED:
             self.names[role] = {path: filled[path] for path in self.names[role]}
-        self.frame = parts.frame(stage, self.physics)
+        self.frame = stage_contents.frame(stage, self.physics)
 
     def scene(self, name: str) -> Scene:
         values = self._values(self.physics, "scene")
-        options = values.fields(
-            *("mps:duration", "mps:planeModel", "mps:frameRate", "mps:sampleRate"),
-            *("mps:timeStep", "mps:courant", "mps:damping", "mps:outputs"),
-            *("mps:analysis", "mps:loadSteps", "mps:integrator", "mps:theta"),
-        )
-        contact = values.fields("mps:contact", "mps:contactStiffness", "mps:friction")
-        renamed = {"contact": "between", "contact_stiffness": "stiffness", "friction": "friction"}
         probes = {probe.name: probe for probe in map(self._probe, self.parts["probe"])}
         return Scene(
             name=name,
             description=self.stage.GetRootLayer().documentation,
-            dimension=self.frame.dimension,
-            gravity=parts.gravity(self.stage, self.physics, self.frame),
+            gravity=stage_contents.gravity(self.stage, self.physics, self.frame),
             bodies=tuple(self._body(prim) for prim in self.parts["body"]),
             walls=tuple(self._wall(prim) for prim in self.parts["wall"]),
             fluids=tuple(self._fluid(prim) for prim in self.parts["fluid"]),
@@ -114,14 +107,12 @@ class _Reader:
             loads=tuple(self._load(prim) for prim in self.parts["load"]),
             probes=tuple(probes.values()),
             measurements=tuple(self._measurement(prim, probes) for prim in self.parts["measurement"]),
-            elasticity=Elasticity(
-                **values.fields("mps:elasticModel", "mps:effectiveRadius", "mps:normalization", "mps:control")
-            ),
-            contact=Contact(**{renamed[field]: value for field, value in contact.items()}),
-            flow=parts.flow(values),
+            elasticity=Elasticity(**values.fields("elasticity")),
+            contact=Contact(**values.fields("contact")),
+            flow=Flow(domain=motions.domain(values), **values.fields("flow")),
             stage=self.frame.stage,
             path=values.path,
-            **options,
+            **{**values.fields(), "dimension": self.frame.dimension},
         )
 
     def _body(self, prim: Usd.Prim) -> Body:
@@ -131,11 +122,9 @@ class _Reader:
             shape=self._region(values),
             material=self._material(prim),
             parts=tuple(self._part(part) for part in self.parts["part"] if self._part_of(part) == values.path),
-            node_axes=values.axes("mps:nodeAxes", "xyz"),
-            velocity_field=parts.velocity_field(values),
-            bonded_to=self._named(values, "mps:bondedTo", "body"),
+            velocity_field=motions.velocity_field(values),
             path=values.path,
-            **parts.scalar_turn(values.fields("mps:spacing", "mps:velocity", "mps:angularVelocity")),
+            **values.fields(),
         )
 
     def _wall(self, prim: Usd.Prim) -> Wall:
@@ -143,11 +132,10 @@ class _Reader:
         return Wall(
             name=self._name(prim, "wall"),
             shape=self._region(values),
-            node_axes=values.axes("mps:nodeAxes", "xyz"),
-            motion=parts.motion(values),
-            rotation=parts.rotation(values),
+            motion=motions.motion(values),
+            rotation=motions.rotation(values),
             path=values.path,
-            **values.fields("mps:spacing", "mps:slip", "mps:friction"),
+            **values.fields(),
         )
 
     def _fluid(self, prim: Usd.Prim) -> Fluid:
@@ -156,19 +144,18 @@ class _Reader:
             name=self._name(prim, "fluid"),
             shape=self._region(values),
             liquid=self._liquid(prim),
-            node_axes=values.axes("mps:nodeAxes", "xyz"),
-            velocity_field=parts.velocity_field(values),
+            velocity_field=motions.velocity_field(values),
             path=values.path,
-            **parts.scalar_turn(values.fields("mps:spacing", "mps:velocity", "mps:angularVelocity")),
+            **values.fields(),
         )
 
     def _liquid(self, prim: Usd.Prim) -> Liquid:
-        """The liquid that is bound to a fluid; water if none is."""
+        """The liquid that is bound to a fluid, water by default."""
         bound, _ = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial("physics")
         given: dict[str, Any] = {"path": str(prim.GetPath())}
         if bound:
             values = self._values(bound.GetPrim(), "liquid")
-            given = {"path": values.path, **values.fields("physics:density", "mps:viscosity")}
+            given = {"path": values.path, **values.fields()}
         return Liquid(**{**given, **self._own_density(prim)})
 
     def _part(self, prim: Usd.Prim) -> Part:
@@ -178,13 +165,14 @@ class _Reader:
             region=self._region(values),
             material=self._material(prim),
             path=values.path,
+            **values.fields(),
         )
 
     def _part_of(self, prim: Usd.Prim) -> str:
         """Path of the body that a part belongs to."""
         values = self._values(prim, "part")
-        if len(self._named(values, "mps:body", "body")) != 1:
-            raise InputError(values.path, "mps:body", "must lead to one body")
+        if len(values.items("mps:body", "body")) != 1:
+            raise InputError(values.path, "mps:body", "must refer to one body")
         return values.targets("mps:body")[0]
 
     def _material(self, prim: Usd.Prim) -> Material:
@@ -193,40 +181,30 @@ class _Reader:
             raise InputError(str(prim.GetPath()), "material:binding:physics", "is missing: bind a material")
         values = self._values(bound.GetPrim(), "material")
         own = self._own_density(prim)
-        names = ["mps:youngsModulus", "mps:poissonsRatio", "mps:law", "mps:retardationTime"]
-        names += [] if own else ["physics:density"]
-        return Material(path=values.path, **{**values.fields(*names), **own})
+        return Material(path=values.path, **values.fields(without=own), **own)
 
-    def _own_density(self, prim: Usd.Prim) -> dict[str, float]:
-        """Density that the body gives itself; zero is UsdPhysics' way to give none."""
+    def _own_density(self, prim: Usd.Prim) -> dict[str, Any]:
+        """Density that the body gives itself; in UsdPhysics zero means that it does not."""
         values = Values(prim, "material", self.frame)
         mass = prim.GetAttribute("physics:mass")
         if mass and mass.HasAuthoredValue() and mass.Get():
             raise InputError(values.path, "physics:mass", "is not read: give the density, physics:density, instead")
-        density = values.fields("physics:density") if values.given("physics:density") else {}
-        return {field: value for field, value in density.items() if value != 0}
+        density = values.get("physics:density") if values.given("physics:density") else 0.0
+        return {"density": density} if density else {}
 
     def _support(self, prim: Usd.Prim) -> Support:
         values = self._values(prim, "support")
         return Support(
             name=self._name(prim, "support"),
             region=self._region(values),
-            axes=values.axes("mps:axes", self.frame.stage.axes),
-            bodies=self._named(values, "mps:bodies", "body"),
-            motion=parts.motion(values),
+            motion=motions.motion(values),
             path=values.path,
-            **values.fields("mps:holdRotation"),
+            **values.fields(),
         )
 
     def _load(self, prim: Usd.Prim) -> Load:
         values = self._values(prim, "load")
-        return Load(
-            name=self._name(prim, "load"),
-            region=self._region(values),
-            bodies=self._named(values, "mps:bodies", "body"),
-            path=values.path,
-            **values.fields("mps:force", "mps:acceleration", "mps:frequency", "mps:phase"),
-        )
+        return Load(name=self._name(prim, "load"), region=self._region(values), path=values.path, **values.fields())
 
     def _probe(self, prim: Usd.Prim) -> Probe:
         values = self._values(prim, "probe")
@@ -237,41 +215,27 @@ class _Reader:
         elif has_shape(prim):
             place = {"region": self._region(values)}
         else:
-            place = {"point": parts.origin(prim, self.frame)}
-        carriers = self._named(values, "mps:movesWith", "wall")
-        if len(carriers) > 1:
-            raise InputError(values.path, "mps:movesWith", "must lead to one wall")
-        return Probe(
-            name=self._name(prim, "probe"),
-            moves_with=carriers[0] if carriers else None,
-            path=values.path,
-            **place,
-            **values.fields("mps:quantity", "mps:about"),
-        )
+            place = {"point": stage_contents.origin(prim, self.frame)}
+        return Probe(name=self._name(prim, "probe"), path=values.path, **place, **values.fields())
 
     def _target(self, values: Values, targets: list[str]) -> dict[str, str]:
         for role, field in (*((role, "body") for role in FILLED), ("support", "support")):
             if len(targets) == 1 and targets[0] in self.names[role]:
                 return {field: self.names[role][targets[0]]}
-        raise InputError(values.path, "mps:target", "must lead to one body, wall, fluid or support")
+        raise InputError(values.path, "mps:target", "must refer to one body, wall, fluid or support")
 
     def _measurement(self, prim: Usd.Prim, known: Mapping[str, Probe]) -> Measurement:
         values = self._values(prim, "measurement")
-        probes = self._named(values, "mps:probe", "probe")
-        if len(probes) != 1:
-            raise InputError(values.path, "mps:probe", f"must lead to one probe, not {len(probes)}")
-        component = self._component(values, known[probes[0]].quantity)
+        fields = values.fields()
         return Measurement(
             name=prim.GetDisplayName() or prim.GetName(),
-            probe=probes[0],
-            component=component,
+            component=self._component(values, known[fields["probe"]].quantity),
             path=values.path,
-            **values.fields("mps:measure", "mps:reference", "mps:unit", "mps:source"),
-            **values.fields("mps:start", "mps:end", "mps:frequency", "mps:at"),
+            **fields,
         )
 
     def _component(self, values: Values, quantity: str) -> int:
-        """Number of the component that is named, the first if none is."""
+        """Number of the component that is named, the first by default."""
         name, names = values.get("mps:component"), component_names(quantity, self.frame.stage.axes)
         if name is None:
             return 0
@@ -281,7 +245,7 @@ class _Reader:
         return names.index(name)
 
     def _values(self, prim: Usd.Prim, role: str) -> Values:
-        values = Values(prim, role, self.frame)
+        values = Values(prim, role, self.frame, self.names)
         values.check_names()
         return values
 
@@ -291,12 +255,3 @@ class _Reader:
 
     def _name(self, prim: Usd.Prim, role: str) -> str:
         return self.names[role][str(prim.GetPath())]
-
-    def _named(self, values: Values, name: str, role: str) -> tuple[str, ...]:
-        targets = values.targets(name)
-        for target in targets:
-            if target not in self.names[role]:
-                raise InputError(
-                    values.path, name, f'leads to {target}, which is no {role}: it has no {ROLE} = "{role}"'
-                )
-        return tuple(self.names[role][target] for target in targets)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import fields
+from collections.abc import Mapping
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -15,12 +16,14 @@ from warp_mps.scene.components import component_names
 from warp_mps.scene.validation.rules import place
 from warp_mps.shapes import Cylinder, Points
 from warp_mps.usd import register_schema
-from warp_mps.usd.case.attributes import ROLE, ROLES, TABLE
+from warp_mps.usd.case.attributes import ROLE, ROLES, TABLE, StageAttribute
 from warp_mps.usd.case.frame import Frame
 from warp_mps.usd.case.opening import quiet
 from warp_mps.usd.case.save_shape import lattice_axes, save_shape
 
 ROOT = "/World"
+# scopes of the items that relationships refer to, by their roles
+_SCOPES = {"body": "Bodies", "wall": "Walls", "probe": "Probes"}
 SUFFIXES = (".usd", ".usda", ".usdc")
 
 
@@ -104,79 +107,26 @@ class _Writer:
         magnitude = float(np.linalg.norm(gravity))
         physics.CreateGravityMagnitudeAttr(magnitude)
         physics.CreateGravityDirectionAttr(Gf.Vec3f(*(gravity / magnitude if magnitude else gravity).tolist()))
-        flat = {"mps:plane": scene.frame.axes, "mps:planeModel": scene.plane} if scene.dimension == 2 else {}
-        values = {
-            "mps:dimension": scene.dimension,
-            **flat,
-            "mps:duration": scene.duration,
-            "mps:frameRate": scene.frame_rate,
-            "mps:sampleRate": scene.sample_rate,
-            "mps:timeStep": scene.time_step,
-            "mps:analysis": scene.analysis,
-            "mps:loadSteps": scene.load_steps,
-            "mps:integrator": scene.integrator,
-            "mps:theta": scene.theta,
-            "mps:courant": scene.courant,
-            "mps:damping": scene.damping,
-            "mps:outputs": scene.outputs,
-            "mps:elasticModel": scene.elasticity.model,
-            "mps:effectiveRadius": scene.elasticity.effective_radius,
-            "mps:control": scene.elasticity.control,
-            "mps:normalization": scene.elasticity.normalization,
-            "mps:contact": scene.contact.between,
-            "mps:contactStiffness": scene.contact.stiffness,
-            "mps:friction": scene.contact.friction,
-            **self._flow(),
-        }
-        self._author(physics.GetPrim(), "scene", values)
-
-    def _flow(self) -> dict[str, Any]:
-        flow = self.scene.flow
-        corners = dict(zip(("mps:domainLow", "mps:domainHigh"), flow.domain or (None, None), strict=True))
-        return {
-            "mps:fluidScheme": flow.scheme,
-            "mps:fluidEffectiveRadius": flow.effective_radius,
-            "mps:negativePressure": flow.negative_pressure,
-            "mps:pressureTolerance": flow.tolerance,
-            "mps:fluidCourant": flow.courant,
-            "mps:periodicAxes": "".join(self.frame.stage.axes[axis] for axis in flow.periodic) or None,
-            **corners,
-        }
+        flat = {"mps:plane": scene.frame.axes} if scene.dimension == 2 else {"mps:planeModel": None}
+        corners = dict(zip(("mps:domainLow", "mps:domainHigh"), scene.flow.domain or (None, None), strict=True))
+        self._author(physics.GetPrim(), "scene", scene, {**flat, **corners})
 
     def _body(self, body: sc.Body) -> None:
         prim = self._region("Bodies", body.name, body, body.shape)
         UsdShade.MaterialBindingAPI.Apply(prim).Bind(self._material(body.material), materialPurpose="physics")
-        self._author(prim, "body", self._start(body))
-        self._relate(prim, "mps:bondedTo", "Bodies", body.bonded_to)
+        self._author(prim, "body", body)
         self._widths(prim, body)
 
     def _fluid(self, fluid: sc.Fluid) -> None:
         prim = self._region("Fluids", fluid.name, fluid, fluid.shape)
         UsdShade.MaterialBindingAPI.Apply(prim).Bind(self._material(fluid.liquid), materialPurpose="physics")
-        self._author(prim, "fluid", self._start(fluid))
+        self._author(prim, "fluid", fluid)
         self._widths(prim, fluid)
-
-    def _start(self, item: sc.Body | sc.Fluid) -> dict[str, Any]:
-        """Lattice and initial velocity of a body or a fluid."""
-        axes = lattice_axes(item.shape, item.node_axes, self.frame)
-        values: dict[str, Any] = {"mps:spacing": item.spacing, "mps:nodeAxes": axes or None}
-        values |= {"mps:velocity": item.velocity, "mps:angularVelocity": item.angular_velocity}
-        if item.velocity_field:
-            values["mps:velocityField"] = item.velocity_field.kind
-            for part in ("amplitude", "rate", "axis", "origin", "length", "depth", "mode"):
-                values[f"mps:velocityField:{part}"] = getattr(item.velocity_field, part)
-        return values
 
     def _wall(self, wall: sc.Wall) -> None:
         prim = self._region("Walls", wall.name, wall, wall.shape)
-        axes = lattice_axes(wall.shape, wall.node_axes, self.frame)
-        values: dict[str, Any] = {"mps:spacing": wall.spacing, "mps:nodeAxes": axes or None, "mps:slip": wall.slip}
-        values["mps:friction"] = wall.friction
-        values |= _moving("motion", wall.motion)
-        values |= _moving("rotation", wall.rotation)
-        if wall.rotation and self.scene.dimension == 2:
-            values["mps:rotation:axis"] = (1.0,)
-        self._author(prim, "wall", values)
+        axis = {"mps:rotation:axis": (1.0,)} if wall.rotation and self.scene.dimension == 2 else {}
+        self._author(prim, "wall", wall, axis)
         self._widths(prim, wall)
 
     def _widths(self, prim: Usd.Prim, item: sc.Body | sc.Wall | sc.Fluid) -> None:
@@ -188,7 +138,7 @@ class _Writer:
     def _part(self, part: sc.Part, body: sc.Body) -> None:
         prim = self._region("Parts", part.name, part, part.region)
         UsdShade.MaterialBindingAPI.Apply(prim).Bind(self._material(part.material), materialPurpose="physics")
-        self._author(prim, "part", {})
+        self._author(prim, "part", part)
         self._relate(prim, "mps:body", "Bodies", (body.name,))
 
     def _material(self, material: sc.Material | sc.Liquid) -> UsdShade.Material:
@@ -198,33 +148,20 @@ class _Writer:
             return UsdShade.Material(self.stage.GetPrimAtPath(path))
         self._scope("Materials")
         shade = UsdShade.Material.Define(self.stage, path)
-        density = material.density / self.frame.factor(TABLE["material"]["physics:density"])
-        UsdPhysics.MaterialAPI.Apply(shade.GetPrim()).CreateDensityAttr(density)
-        if isinstance(material, sc.Liquid):
-            self._author(shade.GetPrim(), "liquid", {"mps:viscosity": material.viscosity})
-            return shade
-        values: dict[str, Any] = {"mps:youngsModulus": material.youngs_modulus}
-        values |= {"mps:poissonsRatio": material.poissons_ratio, "mps:law": material.law}
-        values["mps:retardationTime"] = material.retardation_time
-        self._author(shade.GetPrim(), "material", values)
+        UsdPhysics.MaterialAPI.Apply(shade.GetPrim())
+        self._author(shade.GetPrim(), "liquid" if isinstance(material, sc.Liquid) else "material", material)
         return shade
 
     def _support(self, support: sc.Support) -> None:
         prim = self._region("Supports", support.name, support, support.region)
-        values: dict[str, Any] = {"mps:holdRotation": support.hold_rotation}
-        values["mps:axes"] = "".join(self.frame.stage.axes[axis] for axis in support.axes) or None
-        values |= _moving("motion", support.motion)
-        self._author(prim, "support", values)
-        self._relate(prim, "mps:bodies", "Bodies", support.bodies)
+        self._author(prim, "support", support)
 
     def _load(self, load: sc.Load, number: int) -> None:
         name = (
             load.name if [other.name for other in self.scene.loads].count(load.name) == 1 else f"{load.name}_{number}"
         )
         prim = self._region("Loads", name, load, load.region)
-        values = {f"mps:{part}": getattr(load, part) for part in ("force", "acceleration", "frequency", "phase")}
-        self._author(prim, "load", values)
-        self._relate(prim, "mps:bodies", "Bodies", load.bodies)
+        self._author(prim, "load", load)
 
     def _probe(self, probe: sc.Probe) -> None:
         if probe.region is not None:
@@ -234,9 +171,8 @@ class _Writer:
             prim = xform.GetPrim()
             if probe.point is not None:
                 xform.AddTranslateOp().Set(Gf.Vec3d(*self.frame.vectors_to_stage(probe.point, _POINT).tolist()))
-        self._author(prim, "probe", {"mps:quantity": probe.quantity, "mps:about": probe.about})
+        self._author(prim, "probe", probe)
         filled = next((kind for kind in ("Walls", "Fluids") if probe.body in self.paths[kind]), "Bodies")
-        self._relate(prim, "mps:movesWith", "Walls", () if probe.moves_with is None else (probe.moves_with,))
         for kind, name in ((filled, probe.body), ("Supports", probe.support)):
             self._relate(prim, "mps:target", kind, () if name is None else (name,))
 
@@ -246,13 +182,10 @@ class _Writer:
         path = self._place("Measurements", f"{name}_{number}" if taken else name, measurement)
         prim = UsdGeom.Scope.Define(self.stage, path).GetPrim()
         prim.SetDisplayName(measurement.name)
-        parts = ("measure", "unit", "reference", "source", "start", "end", "frequency", "at")
-        values = {f"mps:{part}": getattr(measurement, part) for part in parts}
         probe = next(probe for probe in self.scene.probes if probe.name == measurement.probe)
         names = component_names(probe.quantity, self.frame.stage.axes)
-        values["mps:component"] = names[measurement.component] if names else None
-        self._author(prim, "measurement", values)
-        self._relate(prim, "mps:probe", "Probes", (measurement.probe,))
+        component = {"mps:component": names[measurement.component] if names else None}
+        self._author(prim, "measurement", measurement, component)
 
     def _region(self, kind: str, name: str, item: Any, shape: Any) -> Usd.Prim:
         prim = save_shape(self.stage, self._place(kind, name, item), shape, self.frame)
@@ -272,16 +205,31 @@ class _Writer:
     def _scope(self, kind: str) -> None:
         UsdGeom.Scope.Define(self.stage, f"{ROOT}/{kind}")
 
-    def _author(self, prim: Usd.Prim, role: str, values: dict[str, Any]) -> None:
-        """Write the values that are not None and differ from the default."""
+    def _author(self, prim: Usd.Prim, role: str, item: Any, changes: Mapping[str, Any] = MappingProxyType({})) -> None:
+        """Write the attributes of an item that differ from the default.
+
+        Args:
+            prim: Its prim.
+            role: Its role.
+            item: A part of the scene.
+            changes: Values by the attributes' names that replace those of the item's fields; None leaves one out.
+        """
         prim.AddAppliedSchema(f"Mps{role.capitalize()}API")
         if role in ROLES:
             prim.CreateAttribute(ROLE, Sdf.ValueTypeNames.Token, custom=False).Set(role)
-        for name, value in values.items():
-            row = TABLE[role][name]
-            if value is None or (value == row.default if isinstance(value, float | int | str) else not len(value)):
+        for row in TABLE[role].values():
+            value = changes.get(row.name, None if row.stage_only else _field(item, row.field))
+            if value is None or _is_default(value, row):
                 continue
-            attribute = prim.CreateAttribute(name, Sdf.ValueTypeNames.Find(row.kind), custom=False)
+            if row.known.refers_to:
+                kind = _SCOPES[row.known.refers_to]
+                self._relate(prim, row.name, kind, (value,) if isinstance(value, str) else value)
+                continue
+            if row.known.axes == "shape":
+                value = lattice_axes(item.shape, value, self.frame)
+            elif row.known.axes == "stage":
+                value = "".join(self.frame.stage.axes[axis] for axis in value)
+            attribute = prim.CreateAttribute(row.name, Sdf.ValueTypeNames.Find(row.kind), custom=False)
             attribute.Set(_usd_value(value, row, self.frame))
 
     def _relate(self, prim: Usd.Prim, name: str, kind: str, names: tuple[str, ...]) -> None:
@@ -289,9 +237,17 @@ class _Writer:
             prim.CreateRelationship(name, custom=False).SetTargets([self.paths[kind][other] for other in names])
 
 
-def _moving(kind: str, motion: Any) -> dict[str, Any]:
-    """Attributes of a motion or a rotation; what it has, by the names of its fields."""
-    return {f"mps:{kind}:{item.name}": getattr(motion, item.name) for item in fields(motion)} if motion else {}
+def _field(item: Any, path: str) -> Any:
+    """Value of a field, or of a field of a record such as ``flow.courant``; None where there is no such record."""
+    for name in path.split("."):
+        item = getattr(item, name, None)
+    return item
+
+
+def _is_default(value: Any, row: StageAttribute) -> bool:
+    if isinstance(value, float | int | str | np.generic):
+        return bool(value == row.default)
+    return len(value) == 0
 
 
 def _material_names(scene: sc.Scene) -> dict[sc.Material | sc.Liquid, str]:
@@ -308,8 +264,9 @@ def _material_names(scene: sc.Scene) -> dict[sc.Material | sc.Liquid, str]:
     return names
 
 
-def _usd_value(value: Any, row: Any, frame: Frame) -> Any:
-    if row.kind == "double":
+def _usd_value(value: Any, row: StageAttribute, frame: Frame) -> Any:
+    """A value of the scene in the units and along the axes of the stage."""
+    if row.kind in ("double", "float"):
         return float(value) / frame.factor(row)
     if row.kind == "double[]":
         return [float(number) for number in value]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+from collections.abc import Collection, Mapping
 from typing import Any
 
 import numpy as np
@@ -10,7 +11,7 @@ from pxr import Tf, Usd, Vt
 
 from warp_mps.errors import InputError
 from warp_mps.scene.validation.rules import LARGEST
-from warp_mps.usd.case.attributes import ROLE, TABLE
+from warp_mps.usd.case.attributes import ROLE, TABLE, StageAttribute
 from warp_mps.usd.case.frame import Frame
 from warp_mps.usd.case.layers import reason_of
 
@@ -22,10 +23,13 @@ class Values:
         prim: The prim.
         role: Its part, a key of the table of attributes.
         frame: Units and axes.
+        names: Names that the prims of each role have in the scene, by their paths.
     """
 
-    def __init__(self, prim: Usd.Prim, role: str, frame: Frame) -> None:
-        self.prim, self.frame, self.table = prim, frame, TABLE[role]
+    def __init__(
+        self, prim: Usd.Prim, role: str, frame: Frame, names: Mapping[str, Mapping[str, str]] | None = None
+    ) -> None:
+        self.prim, self.frame, self.table, self.names = prim, frame, TABLE[role], names or {}
         self.path = str(prim.GetPath())
 
     def check_names(self) -> None:
@@ -46,49 +50,63 @@ class Values:
         """Whether the prim gives a value of its own."""
         return self.prim.HasAttribute(name) and self.prim.GetAttribute(name).HasAuthoredValue()
 
+    def fields(self, record: str = "", *, without: Collection[str] = ()) -> dict[str, Any]:
+        """The fields of the scene's class that the prim gives, by their names.
+
+        Args:
+            record: Field that holds a record whose fields are meant, such as ``flow``; empty for those of the class.
+            without: Names of fields that are left out.
+
+        Raises:
+            InputError: One is required and missing, or its value is not allowed.
+        """
+        found = {}
+        for row in self.table.values():
+            owner, _, field = row.field.rpartition(".")
+            if owner == record and not row.stage_only and field not in without:
+                found[field] = self.get(row.name)
+        return {field: value for field, value in found.items() if value is not None}
+
     def get(self, name: str) -> Any:
-        """Value of an attribute in SI units; vectors are tuples along the scene's axes. None if it is not given.
+        """Value of an attribute as the scene has it: in SI units, vectors as tuples along the scene's axes.
+
+        A relationship gives the names of the items that it refers to, letters of axes their numbers.
+
+        Returns:
+            The value, None if it is not given.
 
         Raises:
             InputError: It is missing but required, of the wrong type, not finite, or not one of the allowed values.
         """
         row = self.table[name]
+        if row.known.refers_to:
+            found = self.items(name, row.known.refers_to)
+            return self._single(row, found) if row.single else found
         if not self.given(name):
             if row.required:
                 raise InputError(self.path, name, f"is missing: {row.meaning}")
             return None
         value = typed(self.prim.GetAttribute(name), row.kind)
-        wrong = [name for name in (value if row.kind == "token[]" else [value]) if str(name) not in row.allowed]
+        wrong = [word for word in (value if row.kind == "token[]" else [value]) if str(word) not in row.allowed]
         if row.allowed and wrong:
             raise InputError(self.path, name, f"is {wrong[0]!r}, must be one of: {', '.join(row.allowed)}")
-        if row.kind in ("double", "float"):
-            return value * self.frame.factor(row)
-        if row.kind == "double[]":
-            return np.asarray(value, float)
-        if row.kind == "double3[]":
-            return self.frame.vectors_to_scene(np.asarray(value, float).reshape(-1, 3), row, self.path)
-        if row.kind == "double3":
-            return tuple(self.frame.vectors_to_scene(np.asarray(value), row, self.path).tolist())
-        return value
+        return self._axes(row, value) if row.known.axes else self._in_scene(row, value)
 
-    def fields(self, *names: str, prefix: str = "") -> dict[str, Any]:
-        """Fields of the scene filled by the attributes that are given, by the fields' names less a prefix."""
-        values = {self.table[name].field.removeprefix(prefix): self.get(name) for name in names}
-        return {field: value for field, value in values.items() if value is not None}
-
-    def axes(self, name: str, known: str) -> tuple[int, ...]:
-        """Positions in `known` of the axes that a token such as ``xz`` names; empty if it is not given.
+    def items(self, name: str, role: str) -> tuple[str, ...]:
+        """Names of the items of a role that a relationship refers to.
 
         Raises:
-            InputError: It names others.
+            InputError: It refers to something else, or none is given and one is required.
         """
-        token = self.get(name) or ""
-        if any(axis not in known for axis in token) or len(set(token)) != len(token):
-            raise InputError(self.path, name, f"is {token!r}, must be axes among {known}, each once")
-        return tuple(sorted(known.index(axis) for axis in token))
+        targets = self.targets(name)
+        for target in targets:
+            if target not in self.names[role]:
+                reason = f'must refer to a {role}, {target} is not one: it has no {ROLE} = "{role}"'
+                raise InputError(self.path, name, reason)
+        return tuple(self.names[role][target] for target in targets)
 
     def targets(self, name: str) -> list[str]:
-        """Paths that a relationship leads to.
+        """Paths that a relationship refers to.
 
         Raises:
             InputError: There is no prim at one of them, or none is given and one is required.
@@ -103,8 +121,33 @@ class Values:
             raise InputError(self.path, name, f"is missing: {self.table[name].meaning}")
         for path in paths:
             if not self.prim.GetStage().GetPrimAtPath(path):
-                raise InputError(self.path, name, f"leads to {path}, where there is no prim")
+                raise InputError(self.path, name, f"refers to {path}, but there is no prim at that path")
         return [str(path) for path in paths]
+
+    def _single(self, row: StageAttribute, found: tuple[str, ...]) -> str | None:
+        if len(found) > 1:
+            raise InputError(self.path, row.name, f"must refer to one {row.known.refers_to}, not {len(found)}")
+        return found[0] if found else None
+
+    def _axes(self, row: StageAttribute, word: str) -> tuple[int, ...]:
+        """Numbers of the axes that a word such as ``xz`` names."""
+        known = "xyz" if row.known.axes == "shape" else self.frame.stage.axes
+        if any(axis not in known for axis in word) or len(set(word)) != len(word):
+            raise InputError(self.path, row.name, f"is {word!r}, must be axes among {known}, each once")
+        return tuple(sorted(known.index(axis) for axis in word))
+
+    def _in_scene(self, row: StageAttribute, value: Any) -> Any:
+        """A value of the stage in SI units and along the scene's axes."""
+        if row.kind in ("double", "float"):
+            return value * self.frame.factor(row)
+        if row.kind == "double[]":
+            return np.asarray(value, float)
+        if row.kind == "double3[]":
+            return self.frame.vectors_to_scene(np.asarray(value, float).reshape(-1, 3), row, self.path)
+        if row.kind == "double3":
+            vector = tuple(self.frame.vectors_to_scene(np.asarray(value), row, self.path).tolist())
+            return vector[0] if row.scalar_in_plane and len(vector) == 1 else vector
+        return value
 
 
 def typed(attribute: Usd.Attribute, kind: str) -> Any:

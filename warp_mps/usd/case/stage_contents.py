@@ -1,23 +1,12 @@
-"""The smaller parts of a stage: its units and axes, gravity, names, motions."""
+"""What a stage says as a whole: its prims by role and their names, its units and axes, gravity."""
 
 from __future__ import annotations
-
-from typing import Any
 
 import numpy as np
 from pxr import Usd, UsdGeom, UsdPhysics
 
 from warp_mps.errors import InputError
-from warp_mps.scene import (
-    VELOCITY_FIELD_PARTS,
-    Flow,
-    HarmonicMotion,
-    HarmonicRotation,
-    StageFrame,
-    TableMotion,
-    TableRotation,
-    VelocityField,
-)
+from warp_mps.scene import StageFrame
 from warp_mps.usd.case.attributes import ROLE, ROLES, TABLE
 from warp_mps.usd.case.frame import Frame
 from warp_mps.usd.case.geometry import world_matrix
@@ -99,82 +88,6 @@ def gravity(stage: Usd.Stage, physics: Usd.Prim, frame: Frame) -> tuple[float, .
         direction = -np.eye(3)["XYZ".index(frame.stage.up_axis)]
     vector = magnitude * direction / np.linalg.norm(direction)
     return tuple(frame.vectors_to_scene(vector, row, path).tolist())
-
-
-def scalar_turn(fields: dict[str, Any]) -> dict[str, Any]:
-    """The fields of a body, with the angular velocity of a plane as the number that it is."""
-    turn = fields.get("angular_velocity")
-    return {**fields, "angular_velocity": turn[0]} if turn and len(turn) == 1 else fields
-
-
-def velocity_field(values: Values) -> VelocityField | None:
-    """The velocity that varies along a body, if it has one."""
-    kind = values.get("mps:velocityField")
-    names = ("amplitude", "rate", "axis", "origin", "length", "depth", "mode")
-    if kind is None:
-        return None
-    for part in VELOCITY_FIELD_PARTS[kind]:
-        if not values.given(f"mps:velocityField:{part}"):
-            raise InputError(values.path, f"mps:velocityField:{part}", "is missing: mps:velocityField needs it")
-    return VelocityField(
-        kind=kind, **values.fields(*(f"mps:velocityField:{part}" for part in names), prefix="velocity_field.")
-    )
-
-
-def flow(values: Values) -> Flow:
-    """How fluids are computed."""
-    names = ("fluidScheme", "fluidEffectiveRadius", "negativePressure", "pressureTolerance", "fluidCourant")
-    low, high = (values.get(f"mps:domain{corner}") for corner in ("Low", "High"))
-    for corner, own, other in (("Low", low, high), ("High", high, low)):
-        if own is None and other is not None:
-            raise InputError(values.path, f"mps:domain{corner}", "is missing: a domain has two corners")
-    return Flow(
-        domain=(low, high) if low else None,
-        periodic=values.axes("mps:periodicAxes", values.frame.stage.axes),
-        **values.fields(*(f"mps:{name}" for name in names), prefix="flow."),
-    )
-
-
-def motion(values: Values) -> HarmonicMotion | TableMotion | None:
-    """The prescribed displacement of a support or a wall, if it has one."""
-    harmonic, table = _motion_fields(values, "motion", "displacements")
-    return HarmonicMotion(**harmonic) if harmonic else TableMotion(**table) if table else None
-
-
-def rotation(values: Values) -> HarmonicRotation | TableRotation | None:
-    """The prescribed turn of a wall, if it has one."""
-    harmonic, table = _motion_fields(values, "rotation", "angles")
-    place = values.fields("mps:rotation:pivot", "mps:rotation:axis", prefix="rotation.")
-    given = harmonic or table
-    names = ("pivot",) if values.frame.dimension == 2 else ("pivot", "axis")
-    for part in names if given else ():
-        if part not in place:
-            raise InputError(values.path, f"mps:rotation:{part}", "is missing: the rotation needs it")
-    if place and not given:
-        raise InputError(values.path, "mps:rotation:amplitude", "is missing, and so is a table: nothing turns")
-    if values.frame.dimension == 2 and "axis" in place and given:
-        # in the plane angles are about its normal, and the axis says no more than their sign
-        (along,) = place.pop("axis")
-        if along == 0.0:
-            raise InputError(values.path, "mps:rotation:axis", "has no length")
-        part = "amplitude" if harmonic else "angles"
-        given[part] = given[part] if along > 0.0 else -given[part]
-    return HarmonicRotation(**harmonic, **place) if harmonic else TableRotation(**table, **place) if table else None
-
-
-def _motion_fields(values: Values, kind: str, rows: str) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Fields of a harmonic motion and of a table of which one at most is given, and that one whole."""
-    prefix = f"{kind}."
-    harmonic = values.fields(*(f"mps:{kind}:{part}" for part in ("amplitude", "frequency", "phase")), prefix=prefix)
-    table = values.fields(*(f"mps:{kind}:{part}" for part in ("times", rows, "interpolation")), prefix=prefix)
-    if harmonic and table:
-        reason = f"is given beside a table of {rows}: a {kind} is one or the other"
-        raise InputError(values.path, f"mps:{kind}:amplitude", reason)
-    needed = ("amplitude", "frequency") if harmonic else ("times", rows) if table else ()
-    for part in needed:
-        if part not in {**harmonic, **table}:
-            raise InputError(values.path, f"mps:{kind}:{part}", f"is missing: the {kind} needs it")
-    return harmonic, table
 
 
 def origin(prim: Usd.Prim, frame: Frame) -> tuple[float, ...]:
