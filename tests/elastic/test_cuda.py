@@ -9,7 +9,7 @@ import warp as wp
 
 from warp_mps.core.neighbours import neighbour_kernels
 from warp_mps.core.types import PRECISIONS, numeric_types
-from warp_mps.elastic.explicit.solid import KERNELS, declare_kernels
+from warp_mps.elastic.declare_kernels import KERNELS, declare_kernels
 from warp_mps.elastic.implicit.kernels import KERNELS as IMPLICIT
 from warp_mps.elastic.implicit.kernels import declare_implicit
 

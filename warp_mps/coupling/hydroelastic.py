@@ -14,7 +14,7 @@ from warp_mps.coupling.interface_kernels import interface_kernels
 from warp_mps.coupling.robin_kernels import METHOD, robin_kernels
 from warp_mps.coupling.step import CoupledStep
 from warp_mps.coupling.structures import ImplicitStructure, Structure, SubsteppedStructure
-from warp_mps.elastic.implicit.theta_rule import ImplicitSolid
+from warp_mps.elastic.implicit.solid import ImplicitSolid
 from warp_mps.elastic.output.stresses import StressFields
 from warp_mps.errors import InputError
 from warp_mps.fluid.fluids import Fluids

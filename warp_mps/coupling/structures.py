@@ -17,7 +17,8 @@ from warp_mps.core.snapshot import Snapshot
 from warp_mps.core.types import NumericTypes
 from warp_mps.coupling.interface_kernels import interface_kernels
 from warp_mps.elastic.explicit.solid import Solid
-from warp_mps.elastic.implicit.theta_rule import ImplicitSolid
+from warp_mps.elastic.implicit.solid import ImplicitSolid
+from warp_mps.elastic.system import ElasticSystem
 from warp_mps.particles.particles import Particles
 from warp_mps.scene import Scene
 
@@ -36,7 +37,7 @@ class Structure(Protocol):
     external: wp.array
 
     @property
-    def solid(self) -> Solid:
+    def solid(self) -> ElasticSystem:
         """The bodies."""
 
     def fit_time_step(self, dt: float, rest: float) -> tuple[float, int]:

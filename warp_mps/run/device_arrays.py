@@ -36,7 +36,7 @@ def device_arrays(solid: Any, fluids: Any) -> Mapping[str, wp.array]:
     """The arrays of a simulation by name.
 
     Args:
-        solid: The elastic bodies, a `warp_mps.elastic.explicit.solid.Solid`, or None.
+        solid: The elastic bodies, a `warp_mps.elastic.system.ElasticSystem`, or None.
         fluids: The fluids, a `warp_mps.fluid.fluids.Fluids`, or None.
     """
     found: dict[str, wp.array] = {}

@@ -23,7 +23,7 @@ from warp_mps.scene import Scene
 if TYPE_CHECKING:
     import warp as wp
 
-    from warp_mps.elastic.explicit.solid import Solid
+    from warp_mps.elastic.system import ElasticSystem
     from warp_mps.fluid.fluids import Fluids
 
 
@@ -94,21 +94,24 @@ class Simulation(Readings):
     def _make_steps(self, graphs: bool, threads: int) -> Steps:
         if self._paced:
             return PacedSteps(self._paced, self.clock)
+        from warp_mps.elastic.explicit.solid import Solid
+
+        assert isinstance(self._system, Solid)
         if threads > 1:
-            return ThreadedSteps(self.solid, self.particles.elastic, self._device, threads)
-        return ReplayedSteps(self.solid, self._device, graphs=graphs)
+            return ThreadedSteps(self._system, self.particles.elastic, self._device, threads)
+        return ReplayedSteps(self._system, self._device, graphs=graphs)
 
     @property
-    def solid(self) -> Solid:
+    def solid(self) -> ElasticSystem:
         """The elastic bodies.
 
         Raises:
             TypeError: The scene has none.
         """
-        from warp_mps.elastic.explicit.solid import Solid
+        from warp_mps.elastic.system import ElasticSystem
 
         made = getattr(self._system, "solid", self._system)
-        if not isinstance(made, Solid):
+        if not isinstance(made, ElasticSystem):
             raise TypeError(f"the scene {self.scene.name!r} has no elastic bodies")
         return made
 

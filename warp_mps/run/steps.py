@@ -10,7 +10,8 @@ from warp_mps.run.schedule import Clock
 from warp_mps.run.system import PacedSystem
 
 if TYPE_CHECKING:
-    from warp_mps.elastic.explicit.solid import Phase, Solid
+    from warp_mps.elastic.explicit.solid import Solid
+    from warp_mps.elastic.explicit.step import Phase
 
 # steps in a graph that is replayed as one: long enough that the launch from Python does not count
 BLOCK = 32

@@ -54,7 +54,7 @@ def make_system(
 
         return StaticSolid(scene, particles, graphs=graphs, **options)
     if scene.implicit:
-        from warp_mps.elastic.implicit.theta_rule import ImplicitSolid
+        from warp_mps.elastic.implicit.solid import ImplicitSolid
 
         return ImplicitSolid(scene, particles, dt=clock.dt, graphs=graphs, **options)
     from warp_mps.elastic.explicit.solid import Solid
@@ -70,9 +70,9 @@ def _declare(scene: Scene, types: Any) -> list[str]:
 
         modules += fluids.declare_kernels(types)
     if scene.bodies:
-        from warp_mps.elastic.explicit import solid
+        from warp_mps.elastic import declare_kernels as elastic
 
-        modules += solid.declare_kernels(types)
+        modules += elastic.declare_kernels(types)
     if scene.walls and not scene.fluids:
         from warp_mps.walls.poses import declare_walls
 

@@ -13,9 +13,9 @@ from tests.elastic.implicit.plates import DEFLECTION, plate
 from tests.scenes import angular_momentum, block
 from warp_mps.core.device import load_modules, open_device
 from warp_mps.core.types import numeric_types
-from warp_mps.elastic.explicit.solid import declare_kernels
+from warp_mps.elastic.declare_kernels import declare_kernels
 from warp_mps.elastic.implicit.kernels import declare_implicit
-from warp_mps.elastic.implicit.theta_rule import ImplicitSolid
+from warp_mps.elastic.implicit.solid import ImplicitSolid
 from warp_mps.errors import RunError
 from warp_mps.particles.filling import fill_scene
 from warp_mps.particles.selection import select

@@ -121,9 +121,11 @@ def _advance(simulation: Simulation, steps: int) -> None:
 def _shares(simulation: Simulation) -> str:
     """Each phase of a step alone, as a graph of its own, as a part of their sum."""
     from warp_mps.core.replay import capture
+    from warp_mps.elastic.explicit.solid import Solid
 
     device, count = simulation.device, simulation.particles.elastic
     times: dict[str, float] = {}
+    assert isinstance(simulation.solid, Solid)
     for phase in simulation.solid.phases:
         graph = capture(functools.partial(phase.launch, 0, count), device)
         times[phase.name] = _fastest(_replay(graph, simulation))

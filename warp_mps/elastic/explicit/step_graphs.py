@@ -6,7 +6,8 @@ import itertools
 from collections.abc import Callable, Sequence
 
 from warp_mps.core.replay import Replay
-from warp_mps.elastic.explicit.solid import Phase, Solid
+from warp_mps.elastic.explicit.solid import Solid
+from warp_mps.elastic.explicit.step import Phase
 
 
 def take_steps(solid: Solid, replay: Replay, count: int) -> None:
