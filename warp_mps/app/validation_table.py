@@ -64,7 +64,10 @@ def _rows(run: RunSummary) -> list[str]:
 
 
 def _number(value: Any) -> str:
-    return "" if value is None else f"{value:.4g}"
+    """Four significant digits, and whole numbers beyond."""
+    if value is None:
+        return ""
+    return f"{value:.0f}" if abs(value) >= 1000.0 else f"{value:.4g}"
 
 
 def _cell(text: str) -> str:
