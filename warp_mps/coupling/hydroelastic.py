@@ -1,4 +1,4 @@
-"""Water and elastic bodies that feel each other, as the simulation sees them: particles in the order of the scene."""
+"""Fluids and elastic bodies in strong coupling, as a simulation sees them."""
 
 from __future__ import annotations
 
@@ -24,28 +24,30 @@ from warp_mps.results.energy import Energy
 from warp_mps.scene import Scene
 from warp_mps.scene.validation.rules import place
 
-# of the bodies' linear systems: passes begin close to their solutions
+# relative residual of the bodies' linear systems: every pass starts close to their solutions
 LINEAR_TOLERANCE = 1e-3
 
 
 def declare_kernels(types: NumericTypes) -> list[str]:
-    """Declare the kernels of the exchange, and return the names of their modules."""
+    """Declare the kernels of the coupling, and return the names of their modules."""
     robin_kernels(types)
     interface_kernels(types)
     return [types.module(METHOD)]
 
 
 class Hydroelastic:
-    """The elastic bodies, the walls and the fluids of a scene.
+    """The elastic bodies, the walls and the fluids of a scene: n particles, in the order of the scene.
+
+    It is a `warp_mps.run.system.PacedSystem`, which documents its methods.
 
     Attributes:
         particles: The particles, in the order of the scene.
         fluids: The fluids, between its walls and the markers.
         markers: The markers of the bodies.
         step: The coupled step of both.
-        structure: How the bodies take a step of the water.
-        solid: The bodies, and the walls that they touch.
-        implicit: Whether the bodies take a step of the water implicitly.
+        structure: The bodies over a step of the fluid.
+        solid: The bodies, and the walls that they may touch.
+        implicit: Whether the bodies take implicit steps.
 
     Args:
         scene: The case.
@@ -109,10 +111,10 @@ class Hydroelastic:
             raise InputError(self._source, "shape", reason)
 
     def advance(self, time: float) -> int:
-        """Advance to a time [s], and return the number of steps of the water that it took.
+        """Advance to a time [s], and return the number of steps of the fluid.
 
         Raises:
-            RunError: A step of the bodies was not solved, or a fluid particle ran away.
+            RunError: A step of the bodies was not solved, the passes diverged, or a fluid particle ran away.
         """
         return self._loop.advance(time)
 
@@ -133,7 +135,7 @@ class Hydroelastic:
         return self._with_bodies(self.fluids.angular_velocities(), self.solid.angular_velocities())
 
     def pressures(self) -> np.ndarray:
-        """Pressures: of the material in bodies, of the water beside them on walls [Pa], shape [n]."""
+        """Pressures: of the material in bodies, of the fluid beside them on walls [Pa], shape [n]."""
         return self._with_bodies(self.fluids.pressures(), self.solid.pressures())
 
     def number_densities(self) -> np.ndarray:
@@ -154,17 +156,17 @@ class Hydroelastic:
         return self._with_bodies(self.fluids.energy_densities(), self.solid.energy_densities())
 
     def contact_forces(self) -> np.ndarray:
-        """Forces of contact now, and of the water in the mean of the last interval [N], shape [n, d]."""
+        """Forces of contact now, and mean forces of the fluid over the last interval [N], shape [n, d]."""
         wet = self.fluids.contact_forces()
-        forces = self._with_bodies(wet, self._shared(wet[: self.markers.count]))
+        forces = self._with_bodies(wet, self._distributed(wet[: self.markers.count]))
         touching = self.solid.contact_forces()
         forces[: len(touching)] += touching
         return forces
 
     def internal_forces(self) -> np.ndarray:
-        """What the particles exert on each other [N], shape [n, d]."""
+        """Forces of the particles on each other [N], shape [n, d]."""
         wet = self.fluids.internal_forces()
-        forces = self._with_bodies(wet, self._shared(wet[: self.markers.count]))
+        forces = self._with_bodies(wet, self._distributed(wet[: self.markers.count]))
         elastic = self.solid.internal_forces()
         forces[: len(elastic)] += elastic
         return forces
@@ -178,12 +180,12 @@ class Hydroelastic:
         return self._with_bodies(self.fluids.reactions(), self.solid.reactions())
 
     def energy(self) -> Energy:
-        """Energies of water and bodies; the work is that of walls, supports and loads."""
+        """Energies of fluid and bodies; the work is that of walls, supports and loads."""
         wet, dry, count = self.fluids.energy(), self.solid.energy(), self.markers.count
-        # what they do to each other is no work from outside
+        # the work of fluid and bodies on each other is internal
         exchanged = float(self.fluids.state.work.numpy()[:count].sum())
         pressed, _, held = (float(work.numpy().sum()) for work in self.step.works)
-        # implicit steps count what pressures do as work from outside; what a support takes up goes back to the outside
+        # implicit steps count the work of pressures as external; a support returns what it takes up
         inner = held + (pressed if self.implicit else 0.0)
         return Energy(
             kinetic=wet.kinetic + dry.kinetic,
@@ -199,7 +201,7 @@ class Hydroelastic:
         return self.fluids.trouble() or self.solid.trouble()
 
     def record(self) -> dict[str, dict[str, float]]:
-        """What the solvers did so far."""
+        """Statistics of the solvers and of the passes."""
         work = {"work_on_bodies": float(sum(work.numpy().sum() for work in self.step.works))}
         coupling = {**self.step.passes.statistics.record(), **work}
         solver = self.solid.record() if isinstance(self.solid, ImplicitSolid) else {}
@@ -222,9 +224,9 @@ class Hydroelastic:
         self.step.assign(wet)
 
     def _with_bodies(self, wet: np.ndarray, dry: np.ndarray) -> np.ndarray:
-        """Values of the elastic particles, then those that the water has of walls and fluids."""
+        """Values of the elastic particles from the bodies, and of walls and fluid particles from the fluids."""
         return np.concatenate((dry[: self.particles.elastic], wet[self.markers.count :]))
 
-    def _shared(self, values: np.ndarray) -> np.ndarray:
-        """Values of the markers shared evenly by their particles."""
+    def _distributed(self, values: np.ndarray) -> np.ndarray:
+        """Values of the markers distributed evenly to their particles."""
         return self.markers.distribute(values)

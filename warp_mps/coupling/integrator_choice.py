@@ -1,9 +1,10 @@
-"""How elastic bodies follow the water: implicitly with its step, or by explicit steps of their own within it.
+"""The time integration of elastic bodies in fluids: implicit steps with those of the fluid, or explicit sub-steps.
 
-The water holds on to the velocities at the end of its step. Of a mode of angular frequency omega that is faster than
-it, omega dt > pi, these answer to a force over the step with sin(omega dt)/(omega dt), which may be negative: then
-water that is heavy next to the body pumps energy into the mode. The theta rule damps such modes; explicit steps do as
-it does, by a viscous stress of the retardation time (2 theta - 1) dt, with the same ratio (theta - 1/2) omega dt.
+The fluid is coupled to the velocities at the end of its step dt. The response of a mode of angular frequency omega to
+a constant force over the step is proportional to sin(omega dt)/(omega dt), which may be negative where omega dt > pi:
+then a fluid that is heavy next to the body pumps energy into the mode. The theta rule damps such modes. Explicit
+sub-steps damp them as much, by a viscous stress of the retardation time (2 theta - 1) dt, with the same damping ratio
+(theta - 1/2) omega dt.
 """
 
 from __future__ import annotations
@@ -16,21 +17,21 @@ from warp_mps.particles.particles import Particles
 from warp_mps.scene import Scene
 from warp_mps.scene.validation.implicit import touches
 
-# the least number of sub-steps in the longest step, so that the water's can be shortened where it is fast
+# least number of sub-steps in the longest step, so that a step can be shortened where the fluid is fast
 LEAST_SUBSTEPS = 4
 
 
 def stable_step(scene: Scene) -> float:
-    """Largest explicit step of the bodies, contact included [s]."""
+    """Largest stable explicit step of the bodies, contact included [s]."""
     return SAFETY * stable_limit(scene)
 
 
 def takes_implicit_steps(scene: Scene) -> bool:
-    """Whether the bodies follow the water implicitly.
+    """Whether the bodies take implicit steps.
 
-    As the scene says; ``auto`` is implicit where nothing speaks against it: another model than ``hamiltonian``, a
-    contact, or a viscosity of the material. Explicit steps see the water's force constant over its whole step. That is
-    right for soft bodies, whose oscillations out of the water are slow against that step, and not for stiff ones.
+    As the scene says; ``auto`` is implicit unless the scene has another model than ``hamiltonian``, a contact, or a
+    viscosity of the material. To explicit sub-steps the force of the fluid is constant over the whole step. That is
+    accurate for soft bodies, whose dry oscillations are slow against the step, and inaccurate for stiff ones.
     """
     if scene.integrator != "auto":
         return scene.integrator == "implicit"
@@ -39,10 +40,11 @@ def takes_implicit_steps(scene: Scene) -> bool:
 
 
 def substep(scene: Scene, particles: Particles, interval: float) -> tuple[float, float]:
-    """Length of the bodies' explicit steps, and the retardation time that damps what the water cannot follow [s].
+    """Length of the bodies' explicit sub-steps, and the retardation time that damps modes too fast for the fluid [s].
 
-    A whole number of steps makes an interval between two samples. The viscous force is that of the step before, and
-    2/omega_max shrinks to (sqrt(1 + s^2) - s) 2/omega_max, s = tau omega_max/2 (Belytschko, Liu and Moran, chapter 6).
+    A whole number of sub-steps makes an interval between two samples. The viscous force is that of the sub-step before:
+    the stable step 2/omega_max shrinks to (sqrt(1 + s^2) - s) 2/omega_max, s = tau omega_max/2 (Belytschko, Liu and
+    Moran, chapter 6).
     """
     longest, stable = longest_step(scene, particles), stable_step(scene)
     tau = (2.0 * scene.theta - 1.0) * longest

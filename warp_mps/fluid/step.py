@@ -86,15 +86,15 @@ class FluidStep:
     def phases(self) -> tuple[tuple[str, Callable[[], None]], ...]:
         """The phases of a step in their order: a name, and what launches it."""
         return (
-            ("rest", self.set_time_step),
+            ("time step", self.set_time_step),
             ("viscosity", self.apply_viscosity),
-            ("rest", self.predict),
-            ("search", self.update_neighbours),
+            ("predictor", self.predict),
+            ("neighbour lists", self.update_neighbours),
             ("assembly", self.assemble),
             ("pressure solve", self.solve_pressure),
-            ("forces", self.correct),
+            ("corrector", self.correct),
             ("collisions", self.collide),
-            ("rest", self.advance_clock),
+            ("clock", self.advance_clock),
         )
 
     def take(self) -> None:
