@@ -11,7 +11,7 @@ from tests.fluid.scenes import L0, LAYERS, box, walls_about
 from warp_mps.core.device import load_modules, open_device
 from warp_mps.core.types import numeric_types
 from warp_mps.coupling import hydroelastic
-from warp_mps.elastic.explicit import solid
+from warp_mps.elastic import declare_kernels as elastic
 from warp_mps.elastic.implicit.kernels import declare_implicit
 from warp_mps.fluid import fluids
 from warp_mps.particles.filling import fill_scene
@@ -97,7 +97,7 @@ def busy(**fields: Any) -> Scene:
 def system_of(scene: Scene, *, precision: str = "float64", graphs: bool = True) -> hydroelastic.Hydroelastic:
     """The water and the bodies of a scene on the CPU, started."""
     numbers, device = numeric_types(scene.dimension, precision), open_device("cpu")
-    modules = [*fluids.declare_kernels(numbers), *solid.declare_kernels(numbers), *declare_implicit(numbers)]
+    modules = [*fluids.declare_kernels(numbers), *elastic.declare_kernels(numbers), *declare_implicit(numbers)]
     load_modules(list(dict.fromkeys([*modules, *hydroelastic.declare_kernels(numbers)])), device)
     options: dict[str, Any] = {"types": numbers, "device": device, "graphs": graphs}
     made = hydroelastic.Hydroelastic(scene, fill_scene(scene), interval=1.0 / scene.frame_rate, **options)
