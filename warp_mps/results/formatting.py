@@ -18,5 +18,5 @@ def percent(value: float | None) -> str:
 def duration(seconds: float) -> str:
     """A time as text, in the unit that suits it."""
     if seconds < 120.0:
-        return f"{seconds:.2g} s"
+        return f"{seconds:.2g} s" if seconds < 99.5 else f"{seconds:.0f} s"
     return f"{seconds / 60.0:.0f} min" if seconds < 7200.0 else f"{seconds / 3600.0:.1f} h"
