@@ -10,7 +10,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from warp_mps import scene as sc
+from warp_mps.scene.choices import (
+    FLUID_QUANTITIES,
+    MODAL_FIELDS,
+    PROBE_QUANTITIES,
+    VELOCITY_FIELD_PARTS,
+    WALL_QUANTITIES,
+)
 from warp_mps.scene.numerics import SKIN
 from warp_mps.scene.validation.coupling import remarks_on_bodies
 from warp_mps.scene.validation.rules import SAME, named, place, require, vector
@@ -71,13 +77,13 @@ def _thin(wall: Wall, scene: Scene) -> list[str]:
 def probe_quantities(probe: Probe, scene: Scene) -> tuple[str, ...]:
     """What a probe can record where it is."""
     if probe.body in [wall.name for wall in scene.walls]:
-        return sc.WALL_QUANTITIES
+        return WALL_QUANTITIES
     if probe.body in [fluid.name for fluid in scene.fluids]:
-        return sc.FLUID_QUANTITIES["body"]
+        return FLUID_QUANTITIES["body"]
     if probe.body is not None or probe.support is not None or not scene.fluids:
-        return sc.PROBE_QUANTITIES[probe.where]
-    fluid = sc.FLUID_QUANTITIES[probe.where]
-    return tuple(dict.fromkeys((*fluid, *sc.PROBE_QUANTITIES[probe.where]))) if scene.bodies else fluid
+        return PROBE_QUANTITIES[probe.where]
+    fluid = FLUID_QUANTITIES[probe.where]
+    return tuple(dict.fromkeys((*fluid, *PROBE_QUANTITIES[probe.where]))) if scene.bodies else fluid
 
 
 def is_in_fluid(probe: Probe, scene: Scene) -> bool:
@@ -86,7 +92,7 @@ def is_in_fluid(probe: Probe, scene: Scene) -> bool:
     Where a scene has both, what both have is the fluid's.
     """
     placed = probe.point is not None or probe.region is not None
-    return bool(scene.fluids) and placed and (not scene.bodies or probe.quantity in sc.FLUID_QUANTITIES[probe.where])
+    return bool(scene.fluids) and placed and (not scene.bodies or probe.quantity in FLUID_QUANTITIES[probe.where])
 
 
 def check_probed_fluid(probe: Probe, scene: Scene, where: str) -> None:
@@ -113,7 +119,7 @@ def check_velocity_field(field: VelocityField, scene: Scene, where: str) -> None
     """
     flat = scene.dimension == 2
     require(not (flat and field.kind == "twist"), where, "velocity_field.kind", "is 'twist', which needs a 3-D scene")
-    needed = sc.VELOCITY_FIELD_PARTS[field.kind]
+    needed = VELOCITY_FIELD_PARTS[field.kind]
     for name in ("amplitude", "rate", "length", "depth"):
         given, at = getattr(field, name) is not None, f"velocity_field.{name}"
         if name in needed:
@@ -128,7 +134,7 @@ def check_velocity_field(field: VelocityField, scene: Scene, where: str) -> None
 
 def _pattern(field: VelocityField, where: str) -> None:
     """Modes of bodies count from 1; the flows have none, and those with an amplitude have it across the axis."""
-    if field.kind in sc.MODAL_FIELDS:
+    if field.kind in MODAL_FIELDS:
         return
     require(field.mode == 1, where, "velocity_field.mode", f"is not of the velocity field {field.kind!r}")
     if field.amplitude is not None:

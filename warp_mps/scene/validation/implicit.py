@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from warp_mps import scene as sc
 from warp_mps.scene.bonds import bonded_bodies
+from warp_mps.scene.motions import TableMotion
 from warp_mps.scene.validation.rules import place, require
 
 if TYPE_CHECKING:
@@ -57,7 +57,7 @@ def _at_rest(scene: Scene) -> None:
         reason = f"is {load.frequency:g} Hz, must be 0 in a static analysis"
         require(load.frequency == 0.0, place(load, "load"), "frequency", reason)
     for support in scene.supports:
-        good = support.motion is None or isinstance(support.motion, sc.TableMotion)
+        good = support.motion is None or isinstance(support.motion, TableMotion)
         reason = "must be a table in a static analysis, which ends where the table does"
         require(good, place(support, "support"), "motion", reason)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
-from warp_mps import scene as sc
+from warp_mps.scene.choices import ABOUT_QUANTITIES, AT_MEASURES, MEASURE_UNITS, PROBE_UNITS
 from warp_mps.scene.components import component_names
 from warp_mps.scene.validation.fluids import check_probed_fluid, probe_quantities
 from warp_mps.scene.validation.rules import choice, named, place, positive, require, vector
@@ -26,10 +26,10 @@ def check_probe(scene: Scene, probe: Probe) -> None:
     choice(probe.quantity, probe_quantities(probe, scene), where, "quantity")
     if probe.point is not None:
         vector(probe.point, scene.dimension, where, "point")
-    moment = probe.quantity in sc.ABOUT_QUANTITIES
+    moment = probe.quantity in ABOUT_QUANTITIES
     reason = f"is missing: a {probe.quantity} needs the point that it is taken about"
     require(not moment or probe.about is not None, where, "about", reason)
-    require(moment or probe.about is None, where, "about", f"needs {' or '.join(sc.ABOUT_QUANTITIES)}")
+    require(moment or probe.about is None, where, "about", f"needs {' or '.join(ABOUT_QUANTITIES)}")
     if probe.about is not None:
         vector(probe.about, scene.dimension, where, "about")
     others = {*(wall.name for wall in scene.walls), *(fluid.name for fluid in scene.fluids)}
@@ -49,8 +49,8 @@ def check_measurement(scene: Scene, measurement: Measurement) -> None:
     where = place(measurement, "measurement")
     known = {probe.name: probe for probe in scene.probes}
     named(measurement.probe, list(known), where, "probe", "probe")
-    own = sc.PROBE_UNITS[known[measurement.probe].quantity][scene.dimension - 2]
-    choice(measurement.unit, ("", *sc.MEASURE_UNITS.get(measurement.measure, (own,))), where, "unit")
+    own = PROBE_UNITS[known[measurement.probe].quantity][scene.dimension - 2]
+    choice(measurement.unit, ("", *MEASURE_UNITS.get(measurement.measure, (own,))), where, "unit")
     names = component_names(known[measurement.probe].quantity, scene.frame.axes)
     good = 0 <= measurement.component < max(len(names), 1)
     reason = f"must be one of the {len(names)} components of its probe" if names else "must be 0: its probe has but one"
@@ -58,8 +58,8 @@ def check_measurement(scene: Scene, measurement: Measurement) -> None:
     end = scene.duration if measurement.end is None else measurement.end
     good = 0.0 <= measurement.start < end
     require(good, where, "start", f"is {measurement.start:g} s, must lie before the end, {end:g} s")
-    needed = measurement.measure in sc.AT_MEASURES
-    require(needed or measurement.at is None, where, "at", f"is of the measures {' and '.join(sc.AT_MEASURES)}")
+    needed = measurement.measure in AT_MEASURES
+    require(needed or measurement.at is None, where, "at", f"is of the measures {' and '.join(AT_MEASURES)}")
     if needed:
         reason = f"is None, must be a number: {measurement.measure} needs it"
         require(measurement.at is not None, where, "at", reason)

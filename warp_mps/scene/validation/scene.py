@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from warp_mps import scene as sc
+from warp_mps.scene.motions import HarmonicMotion, HarmonicRotation, TableMotion, TableRotation
 from warp_mps.scene.spline import table_values
 from warp_mps.scene.validation.body_forces import check_body_forces
 from warp_mps.scene.validation.coupling import check_coupling
@@ -163,22 +163,22 @@ def _support(scene: Scene, support: Support) -> None:
     _motion(support.motion, scene, where)
 
 
-def _motion(motion: sc.HarmonicMotion | sc.TableMotion | None, scene: Scene, where: str) -> None:
-    if isinstance(motion, sc.HarmonicMotion):
+def _motion(motion: HarmonicMotion | TableMotion | None, scene: Scene, where: str) -> None:
+    if isinstance(motion, HarmonicMotion):
         vector(motion.amplitude, scene.dimension, where, "motion.amplitude")
-    elif isinstance(motion, sc.TableMotion):
+    elif isinstance(motion, TableMotion):
         rows = np.asarray(motion.displacements, float)
         _table(motion.times, rows, (scene.dimension,), motion.interpolation, where, ("motion", "displacements"))
 
 
-def _rotation(rotation: sc.HarmonicRotation | sc.TableRotation | None, scene: Scene, where: str) -> None:
+def _rotation(rotation: HarmonicRotation | TableRotation | None, scene: Scene, where: str) -> None:
     if rotation is None:
         return
     vector(rotation.pivot, scene.dimension, where, "rotation.pivot")
     if scene.dimension == 3:
         vector(rotation.axis, 3, where, "rotation.axis")
         require(np.linalg.norm(rotation.axis) > 0.0, where, "rotation.axis", "has no length")
-    if isinstance(rotation, sc.TableRotation):
+    if isinstance(rotation, TableRotation):
         rows = np.asarray(rotation.angles, float)
         _table(rotation.times, rows, (), rotation.interpolation, where, ("rotation", "angles"))
 
