@@ -11,7 +11,7 @@ from tests.shapes.surfaces import cube
 from warp_mps.errors import InputError
 from warp_mps.particles.filling import fill_scene
 from warp_mps.scene import Fluid, Liquid, Scene, Wall, fill_to, tank
-from warp_mps.shapes import Box, Cylinder, Mesh, Shape, Sphere, fill
+from warp_mps.shapes import Box, Cylinder, Mesh, Points, Shape, Sphere, fill
 
 L0 = 0.1
 TANK = tank((0.5, -0.2), (1.3, 0.6), L0)
@@ -102,6 +102,7 @@ RIGHT, ROUND = TANK[2], Wall(name="ball", shape=Sphere(0.2), spacing=L0)
         (lambda: fill_to(0.2, TANK, up="x"), "up: is 'x', must be y or z"),
         (lambda: fill_to(0.2, TANK, spacing=0.0), r"spacing: is 0\.0, must be finite"),
         (lambda: fill_to(0.2, Sphere(1.0)), "spacing: must be given for a region"),
+        (lambda: fill_to(0.2, Points([(0.0, 0.0)]), spacing=L0), "level: is for a shape with an inside"),
         (lambda: fill_to(2.0, Sphere(1.0), spacing=L0), "level: is 2 m, must lie in the region, .* from -1 to 1 m"),
         (
             lambda: fill_to(0.9, tank((0, 0), (1, 0.8), L0, open=())),

@@ -60,14 +60,29 @@ def fill_to(
         raise InputError(where, "spacing", f"is {spacing!r}, must be finite and above 0")
     vertical = "xyz".index(up)
     if isinstance(inside, Shape):
-        shape = _cut(inside, float(level), vertical, where)
+        shape = below_level(inside, float(level), vertical, where)
     else:
         shape = _room(walls, float(level), vertical, spacing, where)
     return Fluid(name=name, shape=shape, spacing=spacing, liquid=liquid)
 
 
-def _cut(region: Shape, level: float, up: int, where: str) -> Shape:
-    """The part of a region below the level, on a lattice that begins at its lowest point."""
+def below_level(region: Shape, level: float, up: int, where: str) -> Shape:
+    """The part of a region below a level, on a lattice that begins at the region's lowest point.
+
+    Args:
+        region: The region, of any shape with an inside.
+        level: Coordinate of the level [m].
+        up: The axis along which it is measured: 1 is y, 2 is z.
+        where: What the region belongs to, for error messages.
+
+    Returns:
+        A box if the region is one along the scene's axes, else its intersection with one.
+
+    Raises:
+        InputError: The region is ready-made particles, or the level does not lie in it.
+    """
+    if not region.is_region:
+        raise InputError(where, "level", "is for a shape with an inside, not for ready-made particles")
     intervals = [region.interval(axis) for axis in np.eye(3)]
     low, high = intervals[up]
     if not low < level <= high + SAME * (high - low):

@@ -27,10 +27,12 @@ from warp_mps.scene import (
     Wall,
 )
 from warp_mps.scene.components import component_names
+from warp_mps.scene.filling_level import below_level
 from warp_mps.shapes import Shape, particle_count
 from warp_mps.usd.case import motions, stage_contents
 from warp_mps.usd.case.attributes import ROLE, stage_error
-from warp_mps.usd.case.geometry import has_shape, read_shape
+from warp_mps.usd.case.composites import read_region
+from warp_mps.usd.case.geometry import has_shape
 from warp_mps.usd.case.layers import reason_of
 from warp_mps.usd.case.opening import open_stage, quiet
 from warp_mps.usd.case.values import Values
@@ -142,7 +144,7 @@ class _Reader:
         values = self._values(prim, "fluid")
         return Fluid(
             name=self._name(prim, "fluid"),
-            shape=self._region(values),
+            shape=self._filled_to_level(values),
             liquid=self._liquid(prim),
             velocity_field=motions.velocity_field(values),
             path=values.path,
@@ -250,8 +252,19 @@ class _Reader:
         return values
 
     def _region(self, values: Values) -> Shape:
-        # The bore's radius is a length of the shape's own coordinates, as its radius is.
-        return read_shape(values.prim, self.frame, values.get("mps:innerRadius") or 0.0)
+        return read_region(values.prim, self.frame)
+
+    def _filled_to_level(self, values: Values) -> Shape:
+        """The shape of a fluid, below its level if it has one."""
+        shape, level = self._region(values), values.get("mps:fillLevel")
+        if level is None:
+            return shape
+        up, axes = self.frame.stage.up_axis.lower(), self.frame.stage.axes
+        if up not in axes:
+            raise InputError(
+                values.path, "mps:fillLevel", f"is along the up axis, {up}, which is not in the plane {axes}"
+            )
+        return below_level(shape, level, axes.index(up), values.path)
 
     def _name(self, prim: Usd.Prim, role: str) -> str:
         return self.names[role][str(prim.GetPath())]

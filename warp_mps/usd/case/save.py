@@ -14,7 +14,7 @@ from warp_mps import scene as sc
 from warp_mps.errors import InputError
 from warp_mps.scene.components import component_names
 from warp_mps.scene.validation.rules import place
-from warp_mps.shapes import Cylinder, Points
+from warp_mps.shapes import Points
 from warp_mps.usd import register_schema
 from warp_mps.usd.case.attributes import ROLE, ROLES, TABLE, StageAttribute
 from warp_mps.usd.case.frame import Frame
@@ -188,12 +188,7 @@ class _Writer:
         self._author(prim, "measurement", measurement, component)
 
     def _region(self, kind: str, name: str, item: Any, shape: Any) -> Usd.Prim:
-        prim = save_shape(self.stage, self._place(kind, name, item), shape, self.frame)
-        if isinstance(shape, Cylinder) and shape.inner_radius > 0:
-            row = TABLE["body"]["mps:innerRadius"]
-            bore = prim.CreateAttribute(row.name, Sdf.ValueTypeNames.Find(row.kind), custom=False)
-            bore.Set(_usd_value(shape.inner_radius, row, self.frame))
-        return prim
+        return save_shape(self.stage, self._place(kind, name, item), shape, self.frame)
 
     def _place(self, kind: str, name: str, item: Any) -> str:
         if not Sdf.Path.IsValidIdentifier(name):

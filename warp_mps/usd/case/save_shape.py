@@ -2,27 +2,32 @@
 
 from __future__ import annotations
 
+import itertools
+import re
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from pxr import Gf, Usd, UsdGeom, Vt
+from pxr import Gf, Sdf, Usd, UsdGeom, Vt
 
 from warp_mps.errors import InputError
 from warp_mps.shapes import Box, Cylinder, Mesh, Points, Shape, Sphere
+from warp_mps.usd.case.composites import BORE, operations
 from warp_mps.usd.case.frame import Frame
 
 # Depth of what is infinitely deep in a 3-D scene, in units of its width.
 DEEP = 1e6
+# scope of the shapes that others are joined with
+SHAPES = "/World/Shapes"
 
 
 def save_shape(stage: Usd.Stage, path: str, shape: Shape, frame: Frame) -> Usd.Prim:
-    """Define the prim of a shape.
+    """Define the prim of a shape, and those of the shapes that it is joined with.
 
     Args:
         stage: Stage that it is written to.
-        path: Path of the prim.
+        path: Path of the prim; those that it is joined with stand in the scope `SHAPES`, as guides.
         shape: The shape, in the scene's coordinates.
         frame: Units and axes of the stage.
 
@@ -32,6 +37,27 @@ def save_shape(stage: Usd.Stage, path: str, shape: Shape, frame: Frame) -> Usd.P
     Raises:
         InputError: The shape is of a kind that a stage cannot hold.
     """
+    base, joined = operations(shape)
+    prim = _save_leaf(stage, path, base, frame)
+    for name, others in joined.items():
+        if not others:
+            continue
+        UsdGeom.Scope.Define(stage, SHAPES)
+        paths = []
+        for other in others:
+            paths.append(_free_path(stage, path))
+            UsdGeom.Imageable(save_shape(stage, paths[-1], other, frame)).CreatePurposeAttr(UsdGeom.Tokens.guide)
+        prim.CreateRelationship(name, custom=False).SetTargets(paths)
+    return prim
+
+
+def _free_path(stage: Usd.Stage, owner: str) -> str:
+    """A path in the scope `SHAPES` that no prim has yet, named after the prim that is joined with it."""
+    stem = re.sub(r"_shape_\d+$", "", owner.rpartition("/")[2])
+    return next(path for n in itertools.count(1) if not stage.GetPrimAtPath(path := f"{SHAPES}/{stem}_shape_{n}"))
+
+
+def _save_leaf(stage: Usd.Stage, path: str, shape: Shape, frame: Frame) -> Usd.Prim:
     turned = in_stage(shape, frame)
     save = _SAVERS.get(type(turned))
     if save is None:
@@ -62,7 +88,8 @@ def in_stage(shape: Any, frame: Frame) -> Shape:
 
 
 def lattice_axes(shape: Shape, axes: Sequence[int], frame: Frame) -> str:
-    """Names of axes of a shape once it is in the stage."""
+    """Names of axes of a shape, or of the first of those that it is made of, once it is in the stage."""
+    shape = shape.leaves()[0]
     own = shape.placement is not None or isinstance(shape, Mesh)
     return "".join("xyz"[axis if own else _turned(frame.rotation.T, axis)] for axis in axes)
 
@@ -104,6 +131,9 @@ def _cylinder(stage: Usd.Stage, path: str, shape: Cylinder, unit: float) -> UsdG
     cylinder.CreateHeightAttr(shape.height / unit)
     cylinder.CreateAxisAttr(shape.axis.upper())
     _place(cylinder, shape.placement, unit, shape.center)
+    if shape.inner_radius > 0:
+        bore = cylinder.GetPrim().CreateAttribute(BORE, Sdf.ValueTypeNames.Double, custom=False)
+        bore.Set(shape.inner_radius / unit)
     return cylinder
 
 

@@ -1,0 +1,121 @@
+"""Shapes made of others: prims whose relationships unite them with, cut them to, or clear them of other prims.
+
+A prim stands for ((its own geometry | plus) & intersect) - minus. The other prims are geometries of any kind but
+`Points`, which may have such relationships in turn; where they have no role, they are nothing else in the case.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+from pxr import Tf, Usd
+
+from warp_mps.errors import InputError
+from warp_mps.shapes import Difference, Intersection, Points, Shape, Union
+from warp_mps.usd.case.attributes import ROLE
+from warp_mps.usd.case.frame import Frame
+from warp_mps.usd.case.geometry import has_shape, read_shape
+from warp_mps.usd.case.layers import reason_of
+from warp_mps.usd.case.values import typed
+
+# name, and what joins a prim's shape with that of each prim that is referred to, in the order in which they are joined
+PLUS, INTERSECT, MINUS = "mps:plus", "mps:intersect", "mps:minus"
+JOINS: dict[str, Callable[[Shape, Shape], Shape]] = {PLUS: Union, INTERSECT: Intersection, MINUS: Difference}
+BORE = "mps:innerRadius"
+# shapes that one prim may be made of: more are a chain of references that was not meant
+MOST_SHAPES = 200
+
+
+def read_region(prim: Usd.Prim, frame: Frame) -> Shape:
+    """Shape of a prim, joined with those of the prims that its relationships refer to.
+
+    Args:
+        prim: A geometry.
+        frame: Units and axes.
+
+    Returns:
+        The shape, in metres and in the scene's coordinates.
+
+    Raises:
+        InputError: A prim is no geometry with an inside, refers to itself, or is made of more than `MOST_SHAPES`.
+    """
+    return _Reader(frame, str(prim.GetPath())).read(prim, ())
+
+
+@dataclass
+class _Reader:
+    """The shapes of a prim and of those that it refers to, counted."""
+
+    frame: Frame
+    path: str
+    count: int = field(default=0)
+
+    def read(self, prim: Usd.Prim, chain: tuple[str, ...]) -> Shape:
+        path = str(prim.GetPath())
+        self.count += 1
+        if self.count > MOST_SHAPES:
+            raise InputError(self.path, PLUS, f"makes a shape of more than {MOST_SHAPES} others")
+        bore = prim.GetAttribute(BORE)
+        given = typed(bore, "double") if bore and bore.HasAuthoredValue() else 0.0
+        # the bore's radius is a length of the shape's own coordinates, as its radius is
+        shape = read_shape(prim, self.frame, given * self.frame.stage.meters_per_unit)
+        for name, join in JOINS.items():
+            for target in self._targets(prim, name):
+                other = str(target.GetPath())
+                if other == path or other in chain:
+                    raise InputError(path, name, f"refers to {other}, which is made of {path} itself")
+                if isinstance(shape, Points) or target.GetTypeName() == "Points":
+                    which = path if isinstance(shape, Points) else other
+                    raise InputError(path, name, f"needs shapes with an inside: {which} is of ready-made particles")
+                shape = join(shape, self.read(target, (*chain, path)))
+        return shape
+
+    def _targets(self, prim: Usd.Prim, name: str) -> list[Usd.Prim]:
+        path = str(prim.GetPath())
+        if prim.HasAttribute(name):
+            raise InputError(path, name, "must be a relationship (rel)")
+        if not prim.HasRelationship(name):
+            return []
+        try:
+            paths = prim.GetRelationship(name).GetForwardedTargets()
+        except Tf.ErrorException as error:
+            raise InputError(path, name, reason_of(error)) from None
+        prims = [prim.GetStage().GetPrimAtPath(target) for target in paths]
+        for target, found in zip(paths, prims, strict=True):
+            if not found:
+                raise InputError(path, name, f"refers to {target}, but there is no prim at that path")
+            self._check_names(found)
+        return prims
+
+    @staticmethod
+    def _check_names(prim: Usd.Prim) -> None:
+        """Refuse misspelt attributes of a prim without a role; those of prims with one are checked with it."""
+        if prim.HasAttribute(ROLE) or not has_shape(prim):
+            return
+        for name in prim.GetAuthoredPropertyNames():
+            if name.startswith("mps:") and name not in (*JOINS, BORE):
+                known = ", ".join((*JOINS, BORE))
+                raise InputError(
+                    str(prim.GetPath()), name, f"is not known of a shape without a role; known are {known}"
+                )
+
+
+def operations(shape: Shape) -> tuple[Shape, dict[str, list[Shape]]]:
+    """A shape as a prim holds it: the shape that it begins with, and what that is joined with by each relationship.
+
+    Other orders of unions, intersections and differences are brought into this one by the algebra of sets:
+    (A & B) | C = (A | C) & (B | C), (A - B) | C = (A | C) - (B - C), (A - B) & C = (A & C) - B.
+    """
+    if isinstance(shape, Union):
+        base, found = operations(shape.first)
+        return base, {
+            PLUS: [*found[PLUS], shape.second],
+            INTERSECT: [other | shape.second for other in found[INTERSECT]],
+            MINUS: [other - shape.second for other in found[MINUS]],
+        }
+    if isinstance(shape, Intersection | Difference):
+        base, found = operations(shape.first)
+        name = INTERSECT if isinstance(shape, Intersection) else MINUS
+        return base, {**found, name: [*found[name], shape.second]}
+    return shape, {PLUS: [], INTERSECT: [], MINUS: []}
