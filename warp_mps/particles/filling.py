@@ -159,7 +159,7 @@ def _spin_velocity(spins: np.ndarray, arms: np.ndarray) -> np.ndarray:
 
 
 def _cell_order(positions: np.ndarray, cell: float) -> np.ndarray:
-    """Order by cells of a few neighbours' width: what is near in space is then near in memory."""
+    """Order by cells a few particles wide, so that neighbours in space are neighbours in memory."""
     cells = np.floor((positions - positions.min(axis=0)) / (2.0 * cell) + 1e-9).astype(np.int64)
     return np.lexsort((*positions.T[::-1], *cells.T[::-1]))
 

@@ -12,7 +12,7 @@ from warp_mps.scene import Fluid, Scene, Wall
 from warp_mps.scene.validation.rules import kind_of, place
 from warp_mps.shapes import Points, contains
 
-# in mean particle spacings: bodies that touch put no particle deeper than this below each other's surface, and none
+# in mean particle spacings: particles of touching bodies lie no deeper than this below each other's surface, and no
 # closer to another's particle than half a spacing
 SURFACE = 1e-3
 OVERLAP = 0.499

@@ -26,7 +26,7 @@ class Particles:
         bodies: Index of the body of each particle, shape [n].
         materials: Index of the material of each particle in those of the scene, -1 for walls, shape [n].
         groups: Index of the group of bonded bodies of each particle, shape [n]; all walls are one.
-        ids: Identifiers, stable whatever the order, unique in the scene, shape [n].
+        ids: Identifiers, unique in the scene and independent of the order, shape [n].
         displaced: Name of a fluid, name of a body or wall, and number of particles of the fluid that gave way to it.
     """
 
@@ -68,7 +68,7 @@ class Particles:
         return walls
 
     def describe(self, index: int) -> str:
-        """What a person calls a particle: its identifier, its body, and where it comes from."""
+        """A particle in words: its identifier, its body and its reference position."""
         place = ", ".join(f"{value:.6g}" for value in self.positions[index])
         return f"particle {int(self.ids[index])} of body '{self.names[int(self.bodies[index])]}' (from ({place}) m)"
 

@@ -33,7 +33,7 @@ def select_held(particles: Particles, item: Support | Load) -> np.ndarray:
     """Indices of the particles that a support holds or a load acts on.
 
     Raises:
-        InputError: There is none.
+        InputError: The region holds no particle.
     """
     found = select(particles, item.region, item.bodies)
     if len(found) == 0:

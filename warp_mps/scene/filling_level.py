@@ -32,7 +32,7 @@ def fill_to(
         inside: The walls of a rectangular tank, such as `tank` makes; or the region that the fluid may fill, of any
             shape, which is cut at the level. Bodies and walls in it need not be left out: the fluid gives way to them.
         spacing: Particle spacing l0 [m]; None is that of the walls.
-        liquid: What the fluid is.
+        liquid: Its density and viscosity; water by default.
         name: Name of the fluid.
         up: Axis that points up, ``y`` or ``z``.
 
@@ -73,7 +73,7 @@ def below_level(region: Shape, level: float, up: int, where: str) -> Shape:
         region: The region, of any shape with an inside.
         level: Coordinate of the level [m].
         up: The axis along which it is measured: 1 is y, 2 is z.
-        where: What the region belongs to, for error messages.
+        where: Owner of the region, for error messages.
 
     Returns:
         A box if the region is one along the scene's axes, else its intersection with one.
@@ -90,7 +90,7 @@ def below_level(region: Shape, level: float, up: int, where: str) -> Shape:
         raise InputError(where, "level", reason)
     intervals[up] = (low, min(level, high))
     size = tuple(float(b - a) for a, b in intervals)
-    # what is infinitely deep has no middle
+    # an infinitely deep region has no centre along z
     center = tuple(float(0.5 * (a + b)) if np.isfinite([a, b]).all() else 0.0 for a, b in intervals)
     below = Box(size, center)
     return below if isinstance(region, Box) and region.placement is None else below & region

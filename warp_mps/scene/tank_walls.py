@@ -47,7 +47,7 @@ def tank(
         open: Sides without a wall.
         up: Axis that points up, ``y`` or ``z``, which names the sides: ``front`` is at high z if y is up, and at low y
             if z is.
-        name: What stands before the names of the walls: ``name="basin_"`` makes ``basin_left`` and so on.
+        name: Prefix of the names of the walls: ``name="basin_"`` makes ``basin_left`` and so on.
         motion: Prescribed displacement of all of them.
         rotation: Prescribed rotation of all of them.
         friction: Coefficient of friction of bodies on them [-]; None is that of `Contact`.
@@ -74,7 +74,9 @@ def tank(
         raise InputError(where, "open", "leaves no wall")
     fields = {"spacing": spacing, "motion": motion, "rotation": rotation, "friction": friction, "slip": slip}
     walls = []
-    outer = np.array([lower, upper])  # of what the walls so far leave to the next
+    outer = np.array(
+        [lower, upper]
+    )  # extent of the next walls: the inner box and the walls around it that are still to come
     thickness = layers * spacing
     for axis in range(dimension):
         for end, sign in ((0, -1.0), (1, 1.0)):

@@ -50,7 +50,7 @@ def fill(shape: Shape, spacing: float, dimension: int, *, node_axes: Sequence[in
         spacing: Particle spacing l0 [m].
         dimension: 2 or 3.
         node_axes: Axes of the lattice along which the outermost particles lie on the faces.
-        where: What the shape belongs to, for error messages.
+        where: Owner of the shape, for error messages.
 
     Returns:
         Positions [m], shape [n, dimension].
@@ -81,7 +81,7 @@ def particle_count(
         spacing: Particle spacing l0 [m].
         dimension: 2 or 3.
         node_axes: Axes of the lattice along which the outermost particles lie on the faces.
-        where: What the shape belongs to, for error messages.
+        where: Owner of the shape, for error messages.
 
     Raises:
         InputError: As for `fill`.
@@ -208,7 +208,7 @@ def _continued(grid: _Grid, shape: Shape, dimension: int, where: str) -> _Grid:
         last = int(np.floor((high - start) / grid.spacing + SURFACE_TOLERANCE))
         if last < first:
             raise InputError(where, "shape", "is empty, or thinner than one particle: do its two shapes meet?")
-        # half the steps by which the middle of the lattice moves: none where the extent is that of the first operand
+        # the centre moves by half the number of cells gained at one end and lost at the other: 0 for an equal extent
         centres.append(centre + 0.5 * (first + last - (count - 1)) * grid.spacing)
         counts.append(last - first + 1)
     return replace(grid, centres=tuple(centres), counts=tuple(counts), fits=False)
@@ -217,7 +217,7 @@ def _continued(grid: _Grid, shape: Shape, dimension: int, where: str) -> _Grid:
 def _keep(shape: Shape, grid: _Grid, positions: np.ndarray) -> np.ndarray:
     """Which of the lattice's positions the shape contains."""
     along = positions @ grid.axes
-    # Particles on a face are drawn in by a hair, so that the face keeps them whatever the shape.
+    # particles on a face are moved inwards by less than any tolerance, so that rounding does not lose them
     inwards = np.where(grid.nodes, (np.array(grid.centres) - along) * SURFACE_TOLERANCE, 0.0)
     tolerance = 0.0 if isinstance(shape, Mesh) else SURFACE_TOLERANCE * grid.spacing
     return contains(shape, positions + inwards @ grid.axes.T, tolerance)

@@ -12,7 +12,7 @@ def cells(extent: float, spacing: float, *, whole: bool, nodes: bool) -> int:
         extent: Length to fill [m].
         spacing: Particle spacing [m].
         whole: Whether the ends are faces that the lattice fits between (a box), so that the nearest number of
-            particles is right; otherwise the lattice covers the extent and what lies outside is dropped later.
+            particles is right; otherwise the lattice covers the extent, and cells outside the shape are dropped later.
         nodes: Whether the outermost particles lie on the ends rather than half a spacing inside.
 
     Returns:

@@ -43,7 +43,7 @@ def read_mesh(path: Path, scale: float) -> tuple[np.ndarray, np.ndarray]:
         # merges the corners that triangles share, which STL repeats for each
         mesh: Any = trimesh.load(path, force="mesh")
         points, triangles = np.asarray(mesh.vertices, float), np.asarray(mesh.faces, np.int64)
-    except Exception as error:  # trimesh lets through whatever its parsers run into
+    except Exception as error:  # the parsers of trimesh raise exceptions of any kind
         reason = " ".join(str(error).split()) or type(error).__name__
         raise InputError(where, "", f"cannot be read as {path.suffix[1:].upper()}: {reason[:200]}") from None
     if not len(triangles) or not np.isfinite(points).all():

@@ -8,7 +8,7 @@ from warp_mps.errors import InputError
 
 
 def is_number(value: object) -> bool:
-    """Whether something is one number, of whatever type; a text is not, even one that reads as a number."""
+    """Whether a value is a single number of any type; a text is not, even if it reads as a number."""
     if isinstance(value, str | bytes):
         return False
     try:
@@ -33,7 +33,7 @@ def as_vector(
 
     Args:
         values: 2 or 3 numbers.
-        where: What the field belongs to, for error messages.
+        where: Owner of the field, for error messages.
         name: Name of the field.
         depth: The third number where 2 are given.
         finite: Whether infinite numbers are refused.

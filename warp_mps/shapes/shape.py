@@ -174,7 +174,7 @@ class Composite(Shape):
 
 @dataclass(frozen=True, eq=False)
 class Union(Composite):
-    """What lies in one of two shapes or in both, ``first | second``."""
+    """The union of two shapes, ``first | second``."""
 
     def interval(self, direction: np.ndarray) -> tuple[float, float]:
         """Least and greatest coordinate along a unit direction of the scene [m]."""
@@ -188,7 +188,7 @@ class Union(Composite):
 
 @dataclass(frozen=True, eq=False)
 class Difference(Composite):
-    """What lies in the first of two shapes and not in the second, ``first - second``; the cut face belongs to it."""
+    """The part of a shape outside another, ``first - second``; the cut face belongs to it."""
 
     def interval(self, direction: np.ndarray) -> tuple[float, float]:
         """Least and greatest coordinate of the first operand along a unit direction of the scene [m]."""
@@ -203,7 +203,7 @@ class Difference(Composite):
 
 @dataclass(frozen=True, eq=False)
 class Intersection(Composite):
-    """What lies in both of two shapes, ``first & second``."""
+    """The intersection of two shapes, ``first & second``."""
 
     def interval(self, direction: np.ndarray) -> tuple[float, float]:
         """Bounds of its coordinates along a unit direction of the scene [m]; low > high where the shapes are apart."""

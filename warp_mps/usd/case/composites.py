@@ -19,7 +19,7 @@ from warp_mps.usd.case.geometry import has_shape, read_shape
 from warp_mps.usd.case.layers import reason_of
 from warp_mps.usd.case.values import typed
 
-# name, and what joins a prim's shape with that of each prim that is referred to, in the order in which they are joined
+# relationships, in the order in which they are applied, and the operation of each
 PLUS, INTERSECT, MINUS = "mps:plus", "mps:intersect", "mps:minus"
 JOINS: dict[str, Callable[[Shape, Shape], Shape]] = {PLUS: Union, INTERSECT: Intersection, MINUS: Difference}
 BORE = "mps:innerRadius"
@@ -102,7 +102,7 @@ class _Reader:
 
 
 def operations(shape: Shape) -> tuple[Shape, dict[str, list[Shape]]]:
-    """A shape as a prim holds it: the shape that it begins with, and what that is joined with by each relationship.
+    """A shape as a prim holds it: its first operand, and the operands of each relationship.
 
     Other orders of unions, intersections and differences are brought into this one by the algebra of sets:
     (A & B) | C = (A | C) & (B | C), (A - B) | C = (A | C) - (B - C), (A - B) & C = (A & C) - B.
