@@ -107,6 +107,15 @@ _SHAPE = (
         unit="m",
         default=0.0,
     ),
+    _stage_only(
+        *("mps:plus", "rel", "plus"),
+        "Geometries (Cube, Sphere, Cylinder, Mesh) that its shape is united with.",
+    ),
+    _stage_only(
+        *("mps:intersect", "rel", "intersect"),
+        "Geometries that its shape is then reduced to: what lies in all of them is left.",
+    ),
+    _stage_only(*("mps:minus", "rel", "minus"), "Geometries that are then cut out of its shape."),
 )
 # what is a field of the scene in another form, so that no single field gives its name and type
 _STAGE_ONLY: dict[str, tuple[StageAttribute, ...]] = {
@@ -141,6 +150,14 @@ _STAGE_ONLY: dict[str, tuple[StageAttribute, ...]] = {
             "Fluids: highest corner of this region.",
             unit="m",
             nature="point",
+        ),
+    ),
+    # the shape that is cut at it
+    "fluid": (
+        _stage_only(
+            *("mps:fillLevel", "double", "level"),
+            "Height along the up axis at which its shape is cut: the free surface.",
+            unit="m",
         ),
     ),
     # a part knows its body, a Body its parts
