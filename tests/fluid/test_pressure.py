@@ -24,16 +24,9 @@ from tests.fluid.scenes import (
 from tests.fluid.scenes import wall_count as walls_of
 from warp_mps.fluid.fluids import Fluids
 from warp_mps.fluid.mirror_planes import LARGEST_STRETCH, LEAST_SPREAD
-from warp_mps.fluid.pressure.rows import (
-    DAMPING,
-    DISORDER,
-    LARGEST_ERROR,
-    LARGEST_SCALE,
-    LEAST_DETERMINANT,
-    ORIGINAL_SHARE,
-    SURFACE_DENSITY,
-    SURFACE_NEIGHBOURS,
-)
+from warp_mps.fluid.pressure.density import LARGEST_SCALE, SURFACE_DENSITY, SURFACE_NEIGHBOURS
+from warp_mps.fluid.pressure.divergence import LEAST_DETERMINANT
+from warp_mps.fluid.pressure.rows import DAMPING, DISORDER, LARGEST_ERROR, ORIGINAL_SHARE
 from warp_mps.scene import Flow, HarmonicMotion
 
 DT = 1e-3

@@ -7,7 +7,7 @@ import pytest
 
 from tests.fluid.scenes import KINDS, L0, fluids_of, pairs, periodic_box, scene_of, small, stir, tank, tolerance, water
 from tests.fluid.scenes import wall_count as walls_of
-from warp_mps.fluid.pressure.rows import SURFACE_DENSITY, SURFACE_NEIGHBOURS
+from warp_mps.fluid.pressure.density import SURFACE_DENSITY, SURFACE_NEIGHBOURS
 from warp_mps.fluid.volumes import AIR
 from warp_mps.scene import Flow
 

@@ -32,7 +32,7 @@ from warp_mps.core.linear.kernels import RESTART
 from warp_mps.core.periodic import displacement_function
 from warp_mps.core.types import NumericTypes
 from warp_mps.core.weights import weight_function
-from warp_mps.fluid.pressure.rows import CLOSEST
+from warp_mps.fluid.pressure.density import CLOSEST
 
 METHOD = "coupling"
 

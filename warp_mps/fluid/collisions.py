@@ -17,6 +17,8 @@ import warp as wp
 from warp_mps.core.periodic import displacement_function
 from warp_mps.core.types import NumericTypes
 from warp_mps.fluid import METHOD
+from warp_mps.fluid.constants import fluid_constants_struct
+from warp_mps.fluid.neighbour_search import neighbour_table_struct
 
 # distances below which particles collide [l0], the second of what is kept apart otherwise; coefficient of restitution
 COLLISION, KEPT_APART, RESTITUTION = 0.8, 0.5, 0.2
@@ -26,6 +28,7 @@ COLLISION, KEPT_APART, RESTITUTION = 0.8, 0.5, 0.2
 def collision_kernels(types: NumericTypes) -> SimpleNamespace:
     """Kernels `collide` and `collide_walls`."""
     real, vec = types.real, types.vec
+    Constants, Neighbours = fluid_constants_struct(types), neighbour_table_struct()
     vec64 = wp.types.vector(length=types.dimension, dtype=wp.float64)
     displacement = displacement_function(types)
 
@@ -49,13 +52,9 @@ def collision_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def collide(
         # Model:
-        walls: wp.int32,
-        period: vec,
-        spacing: real,
-        reach: real,
+        fluid: Constants,
+        neighbours: Neighbours,
         firmness: wp.array(dtype=real),
-        listed: wp.array(dtype=wp.int32, ndim=2),
-        count: wp.array(dtype=wp.int32),
         # State in:
         x: wp.array(dtype=vec),
         u: wp.array(dtype=vec),
@@ -65,28 +64,27 @@ def collision_kernels(types: NumericTypes) -> SimpleNamespace:
     ):
         """Change of a fluid particle's velocity by collisions."""
         k = wp.tid()
-        i = k + walls
+        i = k + fluid.walls
         x_i = x[i]
         u_i = u[i]
         du = vec()
-        for m in range(count[i]):
-            j = listed[i, m]
-            x_ij = displacement(x_i, x[j], period)
-            if j < walls:
-                du += firmness[j] * bounce(x_ij, u[j] - u_i, real(COLLISION) * spacing)
+        for m in range(neighbours.count[i]):
+            j = neighbours.index[i, m]
+            x_ij = displacement(x_i, x[j], fluid.period)
+            if j < fluid.walls:
+                du += firmness[j] * bounce(x_ij, u[j] - u_i, real(COLLISION) * fluid.spacing)
             else:
-                du += real(0.5) * bounce(x_ij, u[j] - u_i, closest(shift[k], shift[j - walls], reach, spacing))
+                du += real(0.5) * bounce(
+                    x_ij, u[j] - u_i, closest(shift[k], shift[j - fluid.walls], fluid.collision_distance, fluid.spacing)
+                )
         du_out[k] = du
 
     @types.kernel(METHOD)
     def collide_walls(
         # Model:
-        period: vec,
-        spacing: real,
-        mass: real,
+        fluid: Constants,
+        neighbours: Neighbours,
         firmness: wp.array(dtype=real),
-        listed: wp.array(dtype=wp.int32, ndim=2),
-        count: wp.array(dtype=wp.int32),
         # State in:
         x: wp.array(dtype=vec),
         u: wp.array(dtype=vec),
@@ -97,10 +95,10 @@ def collision_kernels(types: NumericTypes) -> SimpleNamespace:
         """Impulse on a wall's particle by collisions, and the wall's work."""
         j = wp.tid()
         total = vec()
-        for m in range(count[j]):
-            i = listed[j, m]
-            total += bounce(displacement(x[i], x[j], period), u[j] - u[i], real(COLLISION) * spacing)
-        gained = -wp.float64(mass) * wp.float64(firmness[j]) * vec64(total)
+        for m in range(neighbours.count[j]):
+            i = neighbours.index[j, m]
+            total += bounce(displacement(x[i], x[j], fluid.period), u[j] - u[i], real(COLLISION) * fluid.spacing)
+        gained = -wp.float64(real(fluid.mass)) * wp.float64(firmness[j]) * vec64(total)
         impulse[j] = impulse[j] + gained
         work[j] = work[j] - wp.dot(gained, vec64(u[j]))
 

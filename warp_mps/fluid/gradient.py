@@ -27,10 +27,12 @@ import warp as wp
 
 from warp_mps.core.periodic import displacement_function
 from warp_mps.core.types import NumericTypes
-from warp_mps.core.weights import weight_function
 from warp_mps.fluid import METHOD
+from warp_mps.fluid.constants import fluid_constants_struct
+from warp_mps.fluid.gradient_weight import gradient_weight_function
 from warp_mps.fluid.mirror_planes import LEAST_SPREAD, mirror_plane_kernels
-from warp_mps.fluid.pressure.rows import LEAST_DETERMINANT, pressure_kernels
+from warp_mps.fluid.neighbour_search import neighbour_table_struct
+from warp_mps.fluid.pressure.divergence import LEAST_DETERMINANT
 from warp_mps.fluid.schemes import CONSERVATIVE, CORRECTED
 
 # closest distance that a force sees, in effective radii: what is closer is two particles that collide
@@ -41,13 +43,13 @@ CLOSEST = 0.02
 def gradient_kernels(types: NumericTypes) -> SimpleNamespace:
     """Kernels `wall_tangential_gradient`, `pressure_velocity_change`, `pressure_wall_impulse` and `wall_pressure`."""
     real, vec, mat, d = types.real, types.vec, types.mat, types.dimension
-    vec64 = wp.types.vector(length=d, dtype=wp.float64)
-    displacement, weight = displacement_function(types), weight_function(types)
-    gradient_weight = pressure_kernels(types).gradient_weight
+    Constants, Neighbours = fluid_constants_struct(types), neighbour_table_struct()
+    displacement = displacement_function(types)
+    gradient_weight = gradient_weight_function(types)
     tangential_moment = mirror_plane_kernels(types).tangential_moment
 
     @types.func(METHOD)
-    def beyond(p_i: real, step: real, clip: wp.int32) -> real:
+    def wall_particle_pressure(p_i: real, step: real, clip: wp.int32) -> real:
         """Pressure of a wall's particle as seen from a fluid particle, a hydrostatic step away."""
         p_j = p_i + step
         if clip == 1:
@@ -55,7 +57,7 @@ def gradient_kernels(types: NumericTypes) -> SimpleNamespace:
         return p_j
 
     @types.func(METHOD)
-    def pair(scheme: wp.int32, p_i: real, p_j: real, p_min: real) -> real:
+    def pair_pressure(scheme: wp.int32, p_i: real, p_j: real, p_min: real) -> real:
         """The pressure that a pair's force is made of."""
         if scheme == wp.static(CONSERVATIVE):
             if p_i + p_j >= real(0.0):
@@ -68,14 +70,8 @@ def gradient_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def wall_tangential_gradient(
         # Model:
-        walls: wp.int32,
-        period: vec,
-        radius: real,
-        gradient: real,
-        density: real,
-        gravity: vec,
-        listed: wp.array(dtype=wp.int32, ndim=2),
-        count: wp.array(dtype=wp.int32),
+        fluid: Constants,
+        neighbours: Neighbours,
         # State in:
         x: wp.array(dtype=vec),
         a: wp.array(dtype=vec),
@@ -89,45 +85,37 @@ def gradient_kernels(types: NumericTypes) -> SimpleNamespace:
         k = wp.tid()
         result = vec()
         if depth[k] > real(0.0):
-            i = k + walls
+            i = k + fluid.walls
             x_i = x[i]
             moments = mat()
             total = vec()
             pull = vec()
             weights = real(0.0)
-            for m in range(count[i]):
-                j = listed[i, m]
-                x_ij = displacement(x_i, x[j], period)
+            for m in range(neighbours.count[i]):
+                j = neighbours.index[i, m]
+                x_ij = displacement(x_i, x[j], fluid.period)
                 square = wp.dot(x_ij, x_ij)
-                if square < radius * radius:
-                    c = gradient * gradient_weight(wp.static(CONSERVATIVE), wp.sqrt(square), radius)
-                    if j < walls:
-                        pull += c * (gravity - a[j])
+                if square < fluid.radius * fluid.radius:
+                    c = fluid.gradient * gradient_weight(wp.static(CONSERVATIVE), wp.sqrt(square), fluid.radius)
+                    if j < fluid.walls:
+                        pull += c * (fluid.gravity - a[j])
                         weights += c
                     else:
                         # the difference in double precision: that of water at rest has to cancel
-                        total += (c * real(p[j - walls] - p[k])) * x_ij
+                        total += (c * real(p[j - fluid.walls] - p[k])) * x_ij
                         moments += c * wp.outer(x_ij, x_ij)
             n = normal[k]
             own = tangential_moment(moments, n)
             if own > real(LEAST_SPREAD):
-                total = (total - (density / weights) * (moments * pull)) / own
+                total = (total - (fluid.density / weights) * (moments * pull)) / own
                 result = total - wp.dot(total, n) * n
         slope_out[k] = result
 
     @types.kernel(METHOD)
     def pressure_velocity_change(
         # Model:
-        walls: wp.int32,
-        scheme: wp.int32,
-        clip: wp.int32,
-        period: vec,
-        radius: real,
-        gradient: real,
-        density: real,
-        gravity: vec,
-        listed: wp.array(dtype=wp.int32, ndim=2),
-        count: wp.array(dtype=wp.int32),
+        fluid: Constants,
+        neighbours: Neighbours,
         # State in:
         dt: wp.array(dtype=wp.float64),
         x: wp.array(dtype=vec),
@@ -140,129 +128,47 @@ def gradient_kernels(types: NumericTypes) -> SimpleNamespace:
     ):
         """Change of a fluid particle's velocity by the pressure over a step."""
         k = wp.tid()
-        i = k + walls
+        i = k + fluid.walls
         x_i = x[i]
         p_i = real(p[k])
         s_i = scale[k]
         p_min = p_i
-        if scheme > wp.static(CORRECTED):
-            for m in range(count[i]):
-                j = listed[i, m]
-                if j >= walls and wp.length(displacement(x_i, x[j], period)) < radius:
-                    p_min = wp.min(p_min, real(p[j - walls]))
+        if fluid.scheme > wp.static(CORRECTED):
+            for m in range(neighbours.count[i]):
+                j = neighbours.index[i, m]
+                if j >= fluid.walls and wp.length(displacement(x_i, x[j], fluid.period)) < fluid.radius:
+                    p_min = wp.min(p_min, real(p[j - fluid.walls]))
         moments = mat()
         total = vec()
-        for m in range(count[i]):
-            j = listed[i, m]
-            x_ij = displacement(x_i, x[j], period)
+        for m in range(neighbours.count[i]):
+            j = neighbours.index[i, m]
+            x_ij = displacement(x_i, x[j], fluid.period)
             square = wp.dot(x_ij, x_ij)
-            if square < radius * radius:
-                r = wp.max(wp.sqrt(square), real(CLOSEST) * radius)
-                c = gradient * gradient_weight(scheme, r, radius)
-                p_j = real(p[wp.max(j - walls, 0)])
-                s_j = scale[wp.max(j - walls, 0)]
+            if square < fluid.radius * fluid.radius:
+                r = wp.max(wp.sqrt(square), real(CLOSEST) * fluid.radius)
+                c = fluid.gradient * gradient_weight(fluid.scheme, r, fluid.radius)
+                p_j = real(p[wp.max(j - fluid.walls, 0)])
+                s_j = scale[wp.max(j - fluid.walls, 0)]
                 step = real(0.0)
-                if j < walls:
-                    p_j = beyond(p_i, density * wp.dot(gravity - a[j], x_ij), clip)
+                if j < fluid.walls:
+                    p_j = wall_particle_pressure(p_i, fluid.density * wp.dot(fluid.gravity - a[j], x_ij), fluid.clip)
                     s_j = s_i
                     step = wp.dot(along[k], x_ij)
-                if scheme == wp.static(CONSERVATIVE):
+                if fluid.scheme == wp.static(CONSERVATIVE):
                     c *= real(0.5) * (s_i + s_j)
-                total += (c * (pair(scheme, p_i, p_j, p_min) + step)) * x_ij
-                if scheme == wp.static(CORRECTED):
+                total += (c * (pair_pressure(fluid.scheme, p_i, p_j, p_min) + step)) * x_ij
+                if fluid.scheme == wp.static(CORRECTED):
                     moments += c * wp.outer(x_ij, x_ij)
-        if scheme == wp.static(CORRECTED):
+        if fluid.scheme == wp.static(CORRECTED):
             turn = wp.identity(n=wp.static(d), dtype=real)
             if wp.determinant(moments) > real(LEAST_DETERMINANT):
                 turn = wp.inverse(moments)
             total = turn * total
-        du_out[k] = (-real(dt[0]) / density) * total
-
-    @types.kernel(METHOD)
-    def pressure_wall_impulse(
-        # Model:
-        walls: wp.int32,
-        scheme: wp.int32,
-        clip: wp.int32,
-        period: vec,
-        radius: real,
-        gradient: real,
-        density: real,
-        volume: real,
-        gravity: vec,
-        listed: wp.array(dtype=wp.int32, ndim=2),
-        count: wp.array(dtype=wp.int32),
-        # State in:
-        dt: wp.array(dtype=wp.float64),
-        x: wp.array(dtype=vec),
-        u: wp.array(dtype=vec),
-        a: wp.array(dtype=vec),
-        p: wp.array(dtype=wp.float64),
-        scale: wp.array(dtype=real),
-        along: wp.array(dtype=vec),
-        # State in and out:
-        impulse: wp.array(dtype=vec64),
-        work: wp.array(dtype=wp.float64),
-    ):
-        """Impulse on a wall's particle, and the wall's work.
-
-        It is that of the conservative scheme whatever the scheme: sums of pressure differences, by which the others
-        move the fluid, hold nothing of the level of the pressure.
-        """
-        j = wp.tid()
-        x_j = x[j]
-        total = vec()
-        for m in range(count[j]):
-            i = listed[j, m]
-            x_ij = displacement(x[i], x_j, period)
-            square = wp.dot(x_ij, x_ij)
-            if square < radius * radius:
-                r = wp.max(wp.sqrt(square), real(CLOSEST) * radius)
-                c = gradient * gradient_weight(scheme, r, radius)
-                p_i = real(p[i - walls])
-                p_j = beyond(p_i, density * wp.dot(gravity - a[j], x_ij), clip)
-                pressed = pair(wp.static(CONSERVATIVE), p_i, p_j, p_i) + wp.dot(along[i - walls], x_ij)
-                total += (scale[i - walls] * c * pressed) * x_ij
-        gained = (dt[0] * wp.float64(volume)) * vec64(total)
-        impulse[j] = impulse[j] + gained
-        work[j] = work[j] - wp.dot(gained, vec64(u[j]))
-
-    @types.kernel(METHOD)
-    def wall_pressure(
-        # Model:
-        walls: wp.int32,
-        clip: wp.int32,
-        period: vec,
-        radius: real,
-        density: real,
-        gravity: vec,
-        listed: wp.array(dtype=wp.int32, ndim=2),
-        count: wp.array(dtype=wp.int32),
-        # State in:
-        x: wp.array(dtype=vec),
-        a: wp.array(dtype=vec),
-        p: wp.array(dtype=wp.float64),
-        # Out:
-        p_out: wp.array(dtype=wp.float64),
-    ):
-        """Pressure of a wall's particle: the mean of what the fluid about it sees there."""
-        j = wp.tid()
-        x_j = x[j]
-        total = real(0.0)
-        weights = real(0.0)
-        for m in range(count[j]):
-            i = listed[j, m]
-            x_ij = displacement(x[i], x_j, period)
-            w = weight(wp.length(x_ij), radius)
-            total += w * beyond(real(p[i - walls]), density * wp.dot(gravity - a[j], x_ij), clip)
-            weights += w
-        if weights > real(0.0):
-            total = total / weights
-        p_out[j] = wp.float64(total)
+        du_out[k] = (-real(dt[0]) / fluid.density) * total
 
     return SimpleNamespace(
+        wall_particle_pressure=wall_particle_pressure,
+        pair_pressure=pair_pressure,
         wall_tangential_gradient=wall_tangential_gradient,
         pressure_velocity_change=pressure_velocity_change,
-        pressure_wall_impulse=pressure_wall_impulse,
-        wall_pressure=wall_pressure,
     )

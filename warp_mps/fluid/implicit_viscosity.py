@@ -16,6 +16,8 @@ from warp_mps.core.periodic import displacement_function
 from warp_mps.core.types import NumericTypes
 from warp_mps.core.weights import weight_function
 from warp_mps.fluid import METHOD
+from warp_mps.fluid.constants import fluid_constants_struct
+from warp_mps.fluid.neighbour_search import neighbour_table_struct
 
 TOLERANCE, MAX_ITERATIONS = 1e-6, 1000
 
@@ -24,19 +26,15 @@ TOLERANCE, MAX_ITERATIONS = 1e-6, 1000
 def implicit_viscosity_kernels(types: NumericTypes) -> SimpleNamespace:
     """Kernels `implicit_viscosity_rows` and `merge_velocities`."""
     real, vec, d = types.real, types.vec, types.dimension
+    Constants, Neighbours = fluid_constants_struct(types), neighbour_table_struct()
     displacement, weight = displacement_function(types), weight_function(types)
 
     @types.kernel(METHOD)
     def implicit_viscosity_rows(
         # Model:
-        walls: wp.int32,
-        period: vec,
-        radius: real,
-        factor: real,
-        gravity: vec,
+        fluid: Constants,
+        neighbours: Neighbours,
         sticks: wp.array(dtype=wp.int32),
-        listed: wp.array(dtype=wp.int32, ndim=2),
-        count: wp.array(dtype=wp.int32),
         # State in:
         dt: wp.array(dtype=wp.float64),
         x: wp.array(dtype=vec),
@@ -55,23 +53,23 @@ def implicit_viscosity_kernels(types: NumericTypes) -> SimpleNamespace:
     ):
         """The row of a fluid particle, and the right-hand side of each component."""
         k = wp.tid()
-        i = k + walls
+        i = k + fluid.walls
         h = real(dt[0])
         x_i = x[i]
-        first = k * listed.shape[1]
+        first = k * neighbours.index.shape[1]
         entries = wp.int32(0)
         diagonal = real(1.0)
-        rhs = u[i] + h * gravity
-        for m in range(count[i]):
-            j = listed[i, m]
-            r = wp.length(displacement(x_i, x[j], period))
-            if r < radius and sticks[j] == 1 and lost[j] == 0:
-                c = h * factor * weight(r, radius)
+        rhs = u[i] + h * fluid.gravity
+        for m in range(neighbours.count[i]):
+            j = neighbours.index[i, m]
+            r = wp.length(displacement(x_i, x[j], fluid.period))
+            if r < fluid.radius and sticks[j] == 1 and lost[j] == 0:
+                c = h * fluid.viscous_factor * weight(r, fluid.radius)
                 diagonal += c
-                if j < walls:
+                if j < fluid.walls:
                     rhs += c * mirrored[j]
                 else:
-                    index_out[first + entries] = j - walls
+                    index_out[first + entries] = j - fluid.walls
                     value_out[first + entries] = c
                     entries += 1
         first_out[k] = first
@@ -85,7 +83,7 @@ def implicit_viscosity_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def merge_velocities(
         # Model:
-        walls: wp.int32,
+        fluid: Constants,
         # State in:
         u: wp.array(dtype=vec),
         solution: wp.array(dtype=wp.float64, ndim=2),
@@ -95,9 +93,9 @@ def implicit_viscosity_kernels(types: NumericTypes) -> SimpleNamespace:
         """Velocities of all particles, the solution's for the fluid."""
         i = wp.tid()
         u_i = u[i]
-        if i >= walls:
+        if i >= fluid.walls:
             for axis in range(wp.static(d)):
-                u_i[axis] = real(solution[axis, i - walls])
+                u_i[axis] = real(solution[axis, i - fluid.walls])
         u_out[i] = u_i
 
     return SimpleNamespace(implicit_viscosity_rows=implicit_viscosity_rows, merge_velocities=merge_velocities)
@@ -133,26 +131,18 @@ class ImplicitViscosity:
         """Take other room for the matrix."""
         self._matrix = matrix._replace(singular=None)
 
-    def solve(self, constants: list[Any], state: list[wp.array], u: wp.array) -> None:
+    def solve(self, constants: Any, inputs: list[Any], u: wp.array) -> None:
         """Launch the solve.
 
         Args:
-            constants: Model arguments of the kernel `implicit_viscosity_rows`.
-            state: Its state arguments.
+            constants: Constants of the run as kernels take them.
+            inputs: Arguments of the kernel `implicit_viscosity_rows` up to its outputs.
             u: Velocities before the step [m/s], vec [n].
         """
-        matrix = self._matrix
+        matrix, kernels, device = self._matrix, self._kernels, self._device
         outputs = [matrix.first, matrix.count, matrix.index, matrix.value, matrix.diagonal, matrix.active]
         outputs += [self._rhs, self._solution]
-        wp.launch(
-            self._kernels.implicit_viscosity_rows,
-            self._n - self._walls,
-            [*constants, *state],
-            outputs,
-            device=self._device,
-        )
+        wp.launch(kernels.implicit_viscosity_rows, self._n - self._walls, inputs, outputs, device=device)
         for axis in range(self._rhs.shape[0]):
             self.solver.solve(matrix, self._rhs[axis], self._solution[axis])
-        wp.launch(
-            self._kernels.merge_velocities, self._n, [self._walls, u, self._solution], [self.u], device=self._device
-        )
+        wp.launch(kernels.merge_velocities, self._n, [constants, u, self._solution], [self.u], device=device)

@@ -29,6 +29,8 @@ import warp as wp
 from warp_mps.core.periodic import displacement_function
 from warp_mps.core.types import NumericTypes
 from warp_mps.fluid import METHOD
+from warp_mps.fluid.constants import fluid_constants_struct
+from warp_mps.fluid.neighbour_search import neighbour_table_struct
 
 # in spacings: how far a wall's particles may lie before its face, and the least distance from it that is believed
 FLATNESS, LEAST_DEPTH = 0.3, 0.25
@@ -47,6 +49,7 @@ LEAST_SPREAD = 0.1
 def mirror_plane_kernels(types: NumericTypes) -> SimpleNamespace:
     """Kernel `find_mirror_planes`; functions `mirror_distance_squared`, `tangential_moment`, `mirror_wall_strain`."""
     real, vec, mat, d = types.real, types.vec, types.mat, types.dimension
+    Constants, Neighbours = fluid_constants_struct(types), neighbour_table_struct()
     displacement = displacement_function(types)
 
     @types.func(METHOD)
@@ -90,58 +93,54 @@ def mirror_plane_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def find_mirror_planes(
         # Model:
-        walls: wp.int32,
-        period: vec,
-        radius: real,
-        spacing: real,
-        listed: wp.array(dtype=wp.int32, ndim=2),
-        count: wp.array(dtype=wp.int32),
+        fluid: Constants,
+        neighbours: Neighbours,
         # State in:
-        x: wp.array(dtype=vec),
-        # Out:
-        normal_out: wp.array(dtype=vec),
-        depth_out: wp.array(dtype=real),
+        x: wp.array(dtype=vec),  # positions [m], [n]
+        # State out:
+        normal_out: wp.array(dtype=vec),  # normals into the walls beside fluid particles [-], [m]
+        depth_out: wp.array(dtype=real),  # distances from the faces of these walls, 0 where not flat [m], [m]
     ):
         """Normal of the wall beside a fluid particle, and the distance from its face; 0 where it is not flat."""
         k = wp.tid()
-        i = k + walls
+        i = k + fluid.walls
         x_i = x[i]
         total = vec()
         closest = vec()
-        least = radius
-        for m in range(count[i]):
-            j = listed[i, m]
-            if j < walls:
-                x_ij = displacement(x_i, x[j], period)
+        least = fluid.radius
+        for m in range(neighbours.count[i]):
+            j = neighbours.index[i, m]
+            if j < fluid.walls:
+                x_ij = displacement(x_i, x[j], fluid.period)
                 r = wp.length(x_ij)
-                if r < radius:
-                    total += (radius - r) * x_ij
+                if r < fluid.radius:
+                    total += (fluid.radius - r) * x_ij
                     if r < least:
                         least = r
                         closest = x_ij
         depth = real(0.0)
         normal = vec()
-        if least < radius:
+        if least < fluid.radius:
             normal = wp.normalize(total)
             face = wp.dot(closest, normal)
-            depth = wp.max(face - real(0.5) * spacing, real(LEAST_DEPTH) * spacing)
+            depth = wp.max(face - real(0.5) * fluid.spacing, real(LEAST_DEPTH) * fluid.spacing)
             first = wp.int32(0)
-            for m in range(count[i]):
-                j = listed[i, m]
-                if j < walls:
-                    x_ij = displacement(x_i, x[j], period)
-                    if wp.length(x_ij) < radius:
+            for m in range(neighbours.count[i]):
+                j = neighbours.index[i, m]
+                if j < fluid.walls:
+                    x_ij = displacement(x_i, x[j], fluid.period)
+                    if wp.length(x_ij) < fluid.radius:
                         above = wp.dot(x_ij, normal) - face
-                        if above < -real(FLATNESS) * spacing:
+                        if above < -real(FLATNESS) * fluid.spacing:
                             depth = real(0.0)
-                        elif above < real(0.5) * spacing:
+                        elif above < real(0.5) * fluid.spacing:
                             first += 1
             # what of the face is within reach: a line, or a disc
-            seen = real(2.0) * wp.sqrt(wp.max(radius * radius - face * face, real(0.0))) / spacing
+            seen = real(2.0) * wp.sqrt(wp.max(fluid.radius * fluid.radius - face * face, real(0.0))) / fluid.spacing
             if wp.static(d) == 3:
                 seen *= real(0.25 * math.pi) * seen
             # between two walls the one takes away the normal of the other
-            if face < real(FLATNESS) * spacing or real(first) < real(wp.static(FULLNESS[d])) * seen:
+            if face < real(FLATNESS) * fluid.spacing or real(first) < real(wp.static(FULLNESS[d])) * seen:
                 depth = real(0.0)
         normal_out[k] = normal
         depth_out[k] = depth

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from dataclasses import dataclass
 from typing import Any
@@ -11,6 +12,7 @@ import warp as wp
 
 from warp_mps.core.types import NumericTypes
 from warp_mps.fluid.collisions import COLLISION, KEPT_APART
+from warp_mps.fluid.constants import fluid_constants_struct
 from warp_mps.fluid.domain import domain
 from warp_mps.fluid.operator_constants import Operators, operators
 from warp_mps.fluid.schemes import CONSERVATIVE, CORRECTED, KOSHIZUKA_OKA, SCHEMES
@@ -89,15 +91,30 @@ class FluidModel:
         return self.density * self.volume
 
     @property
-    def gravity_vector(self) -> Any:
-        """Gravity as kernels take it [m/s^2], vec."""
-        return self.types.vec(*self.gravity)
-
-    @property
     def relaxation_time(self) -> float:
         """Time in which the density is restored [s]."""
         g = float(np.linalg.norm(self.gravity))
         return 3.0 * math.sqrt(self.spacing / g) if g > 0.0 else 150.0 * self.longest_step
+
+    @functools.cached_property
+    def constants(self) -> Any:
+        """The constants as kernels take them, a `FluidConstants` of `warp_mps.fluid.constants`."""
+        constants, ops, vec = fluid_constants_struct(self.types)(), self.operators, self.types.vec
+        constants.walls, constants.scheme, constants.clip = self.walls, self.scheme, self.clip
+        wraps = np.isin(np.arange(self.types.dimension), self.periodic)
+        constants.period = vec(*np.where(wraps, self.high - self.low, 0.0))
+        constants.low, constants.high, constants.gravity = vec(*self.low), vec(*self.high), vec(*self.gravity)
+        constants.radius, constants.spacing = ops.radius, self.spacing
+        constants.number_density, constants.smooth_density = ops.number_density, ops.smooth_density
+        constants.lattice_neighbours = float(ops.neighbours)
+        constants.divergence, constants.laplacian = ops.divergence, ops.laplacian
+        constants.gradient = self.gradient_factor
+        constants.beyond_first, constants.beyond_second = ops.beyond
+        constants.density, constants.volume, constants.mass = self.density, self.volume, self.mass
+        constants.viscous_factor = self.viscosity * ops.laplacian
+        constants.relaxation_time = self.relaxation_time
+        constants.collision_distance = self.collision_distance
+        return constants
 
     def launch(self, kernel: Any, count: int, inputs: list[Any], outputs: list[Any]) -> None:
         """Launch a kernel over `count` particles of the run, if there are any."""

@@ -76,33 +76,22 @@ class PressureEquation:
 
     def assemble(self, dt: wp.array) -> None:
         """Launch the assembly for a time step [s], float64 [1]."""
-        model, state, ops, matrix, lists = (
-            self._model,
-            self._state,
-            self._model.operators,
-            self.matrix,
-            self._neighbours,
-        )
+        model, state, matrix = self._model, self._state, self.matrix
         assert matrix.singular is not None
         matrix.singular.fill_(1)
         self.find_planes()
-        inputs = [
-            model.walls, model.scheme, lists.period, ops.radius, model.spacing, ops.number_density,
-            float(ops.neighbours), ops.divergence, ops.laplacian, model.gradient_factor, model.density,
-            model.gravity_vector, *ops.beyond, model.relaxation_time, lists.listed, lists.count, dt, state.x, state.u,
-            state.a, state.p, self.normal, self.depth,
-        ]  # fmt: skip
+        inputs = [model.constants, self._neighbours.table, dt, state.x, state.u, state.a, state.p]
+        inputs += [self.normal, self.depth]
         rows = [matrix.first, matrix.count, matrix.index, matrix.value, matrix.diagonal, matrix.active]
         outputs = [state.n, self.density_scale, *rows, self.rhs, self.surface, self.tilt, matrix.singular]
         model.launch(self._kernels.assemble, model.count, inputs, outputs)
 
     def find_planes(self) -> None:
         """Launch the search for the faces of walls that fluid particles are beside, where the scheme mirrors there."""
-        model, lists = self._model, self._neighbours
+        model = self._model
         if model.scheme == CONSERVATIVE:
-            inputs = [model.walls, lists.period, model.operators.radius, model.spacing, lists.listed, lists.count]
-            outputs = [self.normal, self.depth]
-            model.launch(self._kernels.find_mirror_planes, model.count, [*inputs, self._state.x], outputs)
+            inputs = [model.constants, self._neighbours.table, self._state.x]
+            model.launch(self._kernels.find_mirror_planes, model.count, inputs, [self.normal, self.depth])
 
     def solve(self) -> None:
         """Launch the solve from the last pressures, and clip negative ones or make the least of a closed fluid 0."""

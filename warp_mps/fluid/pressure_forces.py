@@ -37,9 +37,7 @@ class PressureForces:
         """Launch the slopes of the pressure along walls, where the scheme mirrors there."""
         model, state, equation, lists = self._model, self._state, self._equation, self._neighbours
         if model.scheme == CONSERVATIVE:
-            inputs = [model.walls, lists.period, model.operators.radius, model.gradient_factor, model.density]
-            inputs += [model.gravity_vector, lists.listed, lists.count, state.x, state.a, state.p]
-            inputs += [equation.normal, equation.depth]
+            inputs = [model.constants, lists.table, state.x, state.a, state.p, equation.normal, equation.depth]
             model.launch(self._kernels.wall_tangential_gradient, model.count, inputs, [self.slopes])
 
     def accelerate(self, dt: wp.array, du: wp.array) -> None:
@@ -50,8 +48,7 @@ class PressureForces:
             du: Changes of velocity [m/s], vec [m]; written.
         """
         model, state, lists = self._model, self._state, self._neighbours
-        inputs = [model.walls, model.scheme, model.clip, lists.period, model.operators.radius, model.gradient_factor]
-        inputs += [model.density, model.gravity_vector, lists.listed, lists.count, dt, state.x, state.a, state.p]
+        inputs = [model.constants, lists.table, dt, state.x, state.a, state.p]
         inputs += [self._equation.density_scale, self.slopes]
         model.launch(self._kernels.pressure_velocity_change, model.count, inputs, [du])
 
@@ -65,16 +62,14 @@ class PressureForces:
             work: Work of the walls on the fluid [J], float64 [w]; added to.
         """
         model, state, lists = self._model, self._state, self._neighbours
-        inputs = [model.walls, model.scheme, model.clip, lists.period, model.operators.radius, model.gradient_factor]
-        inputs += [model.density, model.volume, model.gravity_vector, lists.listed, lists.count, dt]
-        inputs += [state.x, state.u, state.a, state.p, self._equation.density_scale, self.slopes]
+        inputs = [model.constants, lists.table, dt, state.x, state.u, state.a, state.p]
+        inputs += [self._equation.density_scale, self.slopes]
         model.launch(self._kernels.pressure_wall_impulse, count, inputs, [impulse, work])
 
     def wall_pressures(self) -> np.ndarray:
         """Pressures of the fluid beside the particles of walls [Pa], shape [w]."""
         model, state, lists = self._model, self._state, self._neighbours
         p = wp.zeros(max(model.walls, 1), dtype=wp.float64, device=model.device)
-        inputs = [model.walls, model.clip, lists.period, model.operators.radius, model.density, model.gravity_vector]
-        inputs += [lists.listed, lists.count, state.x, state.a, state.p]
+        inputs = [model.constants, lists.table, state.x, state.a, state.p]
         model.launch(self._kernels.wall_pressure, model.walls, inputs, [p])
         return p.numpy()[: model.walls]

@@ -46,10 +46,9 @@ class FluidReadings:
 
     def volumes(self) -> np.ndarray:
         """Volumes that the fluid's particles take up, 0 on walls [m^d], shape [n]; see `warp_mps.fluid.volumes`."""
-        model, state, lists, ops = self._model, self._state, self._step.neighbours, self._model.operators
+        model, state, lists = self._model, self._state, self._step.neighbours
         shares = wp.zeros(model.count, dtype=state.n.dtype, device=model.device)
-        inputs = [model.walls, lists.period, ops.radius, model.spacing, ops.number_density, ops.smooth_density]
-        inputs += [float(ops.neighbours), lists.listed, lists.count, state.x, state.lost]
+        inputs = [model.constants, lists.table, state.x, state.lost]
         model.launch(self._kernels.volume_ratio, model.count, inputs, [shares])
         return np.concatenate((np.zeros(model.walls), model.volume * state.fluid_in_scene_order(shares.numpy())))
 

@@ -17,6 +17,8 @@ from warp_mps.core.periodic import displacement_function
 from warp_mps.core.types import NumericTypes
 from warp_mps.core.weights import weight_function
 from warp_mps.fluid import METHOD
+from warp_mps.fluid.constants import fluid_constants_struct
+from warp_mps.fluid.neighbour_search import neighbour_table_struct
 
 # closest distance that a shift sees [l0]
 CLOSEST = 0.05
@@ -28,18 +30,14 @@ SHIFT, LARGEST_SHIFT = 10.0, 0.2
 def shifting_kernels(types: NumericTypes) -> SimpleNamespace:
     """Kernels `shift_particles`."""
     real, vec = types.real, types.vec
+    Constants, Neighbours = fluid_constants_struct(types), neighbour_table_struct()
     displacement, weight = displacement_function(types), weight_function(types)
 
     @types.kernel(METHOD)
     def shift_particles(
         # Model:
-        walls: wp.int32,
-        period: vec,
-        radius: real,
-        spacing: real,
-        n0: real,
-        listed: wp.array(dtype=wp.int32, ndim=2),
-        count: wp.array(dtype=wp.int32),
+        fluid: Constants,
+        neighbours: Neighbours,
         # State in:
         x: wp.array(dtype=vec),
         way: wp.array(dtype=wp.float64),
@@ -49,26 +47,26 @@ def shifting_kernels(types: NumericTypes) -> SimpleNamespace:
     ):
         """Shift of a fluid particle."""
         k = wp.tid()
-        i = k + walls
+        i = k + fluid.walls
         x_i = x[i]
         slope = vec()
         inside = surface[k] == 0
-        for m in range(count[i]):
-            j = listed[i, m]
-            x_ij = displacement(x_i, x[j], period)
+        for m in range(neighbours.count[i]):
+            j = neighbours.index[i, m]
+            x_ij = displacement(x_i, x[j], fluid.period)
             square = wp.dot(x_ij, x_ij)
-            if square < radius * radius:
-                r = wp.max(wp.sqrt(square), real(CLOSEST) * spacing)
-                w = weight(r, radius) / r
-                slope += (w / n0) * x_ij
-                if j >= walls:
-                    inside = inside and surface[j - walls] == 0
+            if square < fluid.radius * fluid.radius:
+                r = wp.max(wp.sqrt(square), real(CLOSEST) * fluid.spacing)
+                w = weight(r, fluid.radius) / r
+                slope += (w / fluid.number_density) * x_ij
+                if j >= fluid.walls:
+                    inside = inside and surface[j - fluid.walls] == 0
         shift = vec()
         if inside:
             shift = (real(-SHIFT) * real(way[0])) * slope
             length = wp.length(shift)
-            if length > real(LARGEST_SHIFT) * spacing:
-                shift = (real(LARGEST_SHIFT) * spacing / length) * shift
+            if length > real(LARGEST_SHIFT) * fluid.spacing:
+                shift = (real(LARGEST_SHIFT) * fluid.spacing / length) * shift
         shift_out[k] = shift
 
     return SimpleNamespace(shift_particles=shift_particles)

@@ -115,24 +115,22 @@ class FluidStep:
         model, state, lists = self.model, self.state, self.neighbours
         if model.viscosity == 0.0:
             return
-        w, radius = model.walls, model.operators.radius
-        tail = [model.no_slip, lists.listed, lists.count]
-        inputs = [lists.period, radius, *tail, state.x, state.u, state.lost]
-        model.launch(self._kernels.ghost_velocity, w, inputs, [self.mirror_velocity])
-        head, u = [w, lists.period, radius, model.viscosity * model.operators.laplacian], state.u
+        constants, table, u = model.constants, lists.table, state.u
+        inputs = [constants, table, model.no_slip, state.x, u, state.lost]
+        model.launch(self._kernels.ghost_velocity, model.walls, inputs, [self.mirror_velocity])
         if self.implicit_viscosity:
-            now = [self.time_step.dt, state.x, u, state.lost, self.mirror_velocity]
-            self.implicit_viscosity.solve([*head, model.gravity_vector, *tail], now, u)
+            inputs = [constants, table, model.no_slip, self.time_step.dt, state.x, u, state.lost, self.mirror_velocity]
+            self.implicit_viscosity.solve(constants, inputs, u)
             u = self.implicit_viscosity.u
-        inputs = [*head, *tail, state.x, u, state.lost, self.mirror_velocity]
+        inputs = [constants, table, model.no_slip, state.x, u, state.lost, self.mirror_velocity]
         model.launch(self._kernels.viscous_acceleration, len(state.x), inputs, [self.viscous_acceleration])
 
     def predict(self) -> None:
         """Predict velocities and positions u*, x* without the pressure, and move the walls to the end of the step."""
         model, state = self.model, self.state
-        inputs = [model.walls, model.gravity_vector, model.mass, self.time_step.dt, self.viscous_acceleration]
+        inputs = [model.constants, self.time_step.dt, self.viscous_acceleration, state.lost]
         outputs = [state.x, state.u, state.impulse, state.work]
-        model.launch(self._kernels.predict, len(state.x), [*inputs, state.lost], outputs)
+        model.launch(self._kernels.predict, len(state.x), inputs, outputs)
         self.wall_motion.place(self.time_step.end)
 
     def update_neighbours(self) -> None:
@@ -153,24 +151,20 @@ class FluidStep:
         model, state, dt = self.model, self.state, self.time_step.dt
         self.forces.accelerate(dt, self.velocity_change)
         self.forces.push_walls(model.walls, dt, state.impulse, state.work)
-        inputs = [model.walls, dt, self.velocity_change]
+        inputs = [model.constants, dt, self.velocity_change]
         model.launch(self._kernels.correct, model.count, inputs, [state.x, state.u])
 
     def collide(self) -> None:
         """Shift particles, let those that come too close collide, and mark those that have left the domain."""
         model, state, lists, kernels = self.model, self.state, self.neighbours, self._kernels
-        w, m, period, spacing, dt = model.walls, model.count, lists.period, model.spacing, self.time_step.dt
-        listed = [lists.listed, lists.count]
+        constants, table, m = model.constants, lists.table, model.count
         if model.shifting:
-            inputs = [w, period, model.operators.radius, spacing, model.operators.number_density, *listed, state.x]
-            inputs += [self.time_step.displacement, self.pressure.surface]
+            inputs = [constants, table, state.x, self.time_step.displacement, self.pressure.surface]
             model.launch(kernels.shift_particles, m, inputs, [self.shift])
-        tail = [model.collision_share, *listed, state.x, state.u]
-        inputs = [w, period, spacing, model.collision_distance, *tail, self.shift]
-        model.launch(kernels.collide, m, inputs, [self.velocity_change])
-        model.launch(kernels.collide_walls, w, [period, spacing, model.mass, *tail], [state.impulse, state.work])
-        low, high = model.types.vec(*model.low), model.types.vec(*model.high)
-        inputs = [w, low, high, period, model.gravity_vector, dt, self.velocity_change, self.shift]
+        inputs = [constants, table, model.collision_share, state.x, state.u]
+        model.launch(kernels.collide, m, [*inputs, self.shift], [self.velocity_change])
+        model.launch(kernels.collide_walls, model.walls, inputs, [state.impulse, state.work])
+        inputs = [constants, self.time_step.dt, self.velocity_change, self.shift]
         model.launch(kernels.end_step, m, inputs, [state.x, state.u, state.lost, state.stale, state.fallen])
 
     def advance_clock(self) -> None:

@@ -19,22 +19,23 @@ from warp_mps.core.periodic import displacement_function
 from warp_mps.core.types import NumericTypes
 from warp_mps.core.weights import weight_function
 from warp_mps.fluid import METHOD
+from warp_mps.fluid.constants import fluid_constants_struct
+from warp_mps.fluid.neighbour_search import neighbour_table_struct
 
 
 @functools.cache
 def viscosity_kernels(types: NumericTypes) -> SimpleNamespace:
     """Kernels `ghost_velocity` and `viscous_acceleration`."""
     real, vec = types.real, types.vec
+    Constants, Neighbours = fluid_constants_struct(types), neighbour_table_struct()
     displacement, weight = displacement_function(types), weight_function(types)
 
     @types.kernel(METHOD)
     def ghost_velocity(
         # Model:
-        period: vec,
-        radius: real,
+        fluid: Constants,
+        neighbours: Neighbours,
         sticks: wp.array(dtype=wp.int32),
-        listed: wp.array(dtype=wp.int32, ndim=2),
-        count: wp.array(dtype=wp.int32),
         # State in:
         x: wp.array(dtype=vec),
         u: wp.array(dtype=vec),
@@ -48,9 +49,9 @@ def viscosity_kernels(types: NumericTypes) -> SimpleNamespace:
         total = vec()
         weights = real(0.0)
         if sticks[j] == 1:
-            for m in range(count[j]):
-                i = listed[j, m]
-                w = real(1 - lost[i]) * weight(wp.length(displacement(x[i], x[j], period)), radius)
+            for m in range(neighbours.count[j]):
+                i = neighbours.index[j, m]
+                w = real(1 - lost[i]) * weight(wp.length(displacement(x[i], x[j], fluid.period)), fluid.radius)
                 total += w * (u_j - u[i])
                 weights += w
         if weights > real(0.0):
@@ -60,13 +61,9 @@ def viscosity_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def viscous_acceleration(
         # Model:
-        walls: wp.int32,
-        period: vec,
-        radius: real,
-        factor: real,
+        fluid: Constants,
+        neighbours: Neighbours,
         sticks: wp.array(dtype=wp.int32),
-        listed: wp.array(dtype=wp.int32, ndim=2),
-        count: wp.array(dtype=wp.int32),
         # State in:
         x: wp.array(dtype=vec),
         u: wp.array(dtype=vec),
@@ -79,16 +76,16 @@ def viscosity_kernels(types: NumericTypes) -> SimpleNamespace:
         i = wp.tid()
         x_i = x[i]
         u_i = u[i]
-        if i < walls:
+        if i < fluid.walls:
             u_i = mirrored[i]
         total = vec()
-        for m in range(count[i]):
-            j = listed[i, m]
+        for m in range(neighbours.count[i]):
+            j = neighbours.index[i, m]
             if sticks[i] + sticks[j] == 2 and lost[j] == 0:
                 u_j = u[j]
-                if j < walls:
+                if j < fluid.walls:
                     u_j = mirrored[j]
-                total += weight(wp.length(displacement(x_i, x[j], period)), radius) * (u_j - u_i)
-        acceleration_out[i] = factor * total
+                total += weight(wp.length(displacement(x_i, x[j], fluid.period)), fluid.radius) * (u_j - u_i)
+        acceleration_out[i] = fluid.viscous_factor * total
 
     return SimpleNamespace(ghost_velocity=ghost_velocity, viscous_acceleration=viscous_acceleration)

@@ -24,7 +24,9 @@ from warp_mps.core.periodic import displacement_function
 from warp_mps.core.types import NumericTypes
 from warp_mps.core.weights import weight_function
 from warp_mps.fluid import METHOD
-from warp_mps.fluid.pressure.rows import CLOSEST, SURFACE_DENSITY, SURFACE_NEIGHBOURS
+from warp_mps.fluid.constants import fluid_constants_struct
+from warp_mps.fluid.neighbour_search import neighbour_table_struct
+from warp_mps.fluid.pressure.density import CLOSEST, density_functions
 
 # below this share of a full lattice's smooth density a particle has air beside it
 AIR = 0.9
@@ -34,7 +36,9 @@ AIR = 0.9
 def volume_kernels(types: NumericTypes) -> SimpleNamespace:
     """The kernel `volume_ratio`."""
     real, vec = types.real, types.vec
+    Constants, Neighbours = fluid_constants_struct(types), neighbour_table_struct()
     displacement, weight = displacement_function(types), weight_function(types)
+    is_free_surface = density_functions(types).is_free_surface
 
     @types.func(METHOD)
     def smooth(r: real, radius: real) -> real:
@@ -46,15 +50,8 @@ def volume_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def volume_ratio(
         # Model:
-        walls: wp.int32,
-        period: vec,
-        radius: real,
-        spacing: real,
-        n0: real,
-        s0: real,
-        full: real,
-        listed: wp.array(dtype=wp.int32, ndim=2),
-        count: wp.array(dtype=wp.int32),
+        fluid: Constants,
+        neighbours: Neighbours,
         # State in:
         x: wp.array(dtype=vec),
         lost: wp.array(dtype=wp.int32),
@@ -63,21 +60,20 @@ def volume_kernels(types: NumericTypes) -> SimpleNamespace:
     ):
         """Volume of a fluid particle over that of a cell of the lattice; 0 of one that has left the domain."""
         k = wp.tid()
-        i = k + walls
+        i = k + fluid.walls
         n = real(0.0)
         # the particle itself
         s = real(1.0)
         near = wp.int32(0)
-        for m in range(count[i]):
-            r = wp.length(displacement(x[i], x[listed[i, m]], period))
-            if r < radius:
-                n += weight(wp.max(r, real(CLOSEST) * spacing), radius)
-                s += smooth(r, radius)
+        for m in range(neighbours.count[i]):
+            r = wp.length(displacement(x[i], x[neighbours.index[i, m]], fluid.period))
+            if r < fluid.radius:
+                n += weight(wp.max(r, real(CLOSEST) * fluid.spacing), fluid.radius)
+                s += smooth(r, fluid.radius)
                 near += 1
         share = real(1 - lost[i])
-        inside = n >= real(SURFACE_DENSITY) * n0 or real(near) >= real(SURFACE_NEIGHBOURS) * full
-        if inside and s >= real(AIR) * s0:
-            share = s0 / s
+        if not is_free_surface(n, near, fluid) and s >= real(AIR) * fluid.smooth_density:
+            share = fluid.smooth_density / s
         share_out[k] = share
 
     return SimpleNamespace(volume_ratio=volume_ratio)

@@ -1,46 +1,29 @@
-"""The pressure Poisson equation: its rows, its right-hand side, and the free surface.
+"""The rows of the PPE and its right-hand side.
 
-    lap p = rho (div u*)/dt - rho e/(tau dt),    div u = tr(C_i sum_j u_ij x_ij/r^3),    C_i^-1 = sum_j x_ij x_ij/r^3
+Row of a fluid particle i, over the fluid particles j, with c_ij = laplacian w_ij (Koshizuka & Oka 1996):
 
-The last term restores the number density, e = (n - n0)/n0, slowly, over tau = 3 sqrt(l0/g). From 0 to 0.1 l0^2/r_e^2 it
-counts as none: that much particles in disorder have at the volume of a lattice, and water at rest would swell by it.
+    sum_j c_ij (p_i - p_j) + (b_i + k_i) p_i = rho sum_w c_iw (g - a_w) . (x_iw - tilt_i) + rho s_i + k_i p_i^old
 
-The divergence is exact for every linear velocity, however the particles lie. The rate of the number density, C_i = 1
-(Khayyer & Gotoh 2009), is not: a lattice that is strained gets denser for it at a constant volume, and a drop that is
-drawn out swells by a tenth. But it sees particles that pair, which only the conservative gradient drives apart by
-itself: the other schemes keep it, and have no source at the free surface, where half of its pairs are missing.
+Source: s = (e/tau - div u*)/dt. The first term restores the number density, e = n/n0 - 1, slowly, over
+tau = 3 sqrt(l0/g). An e from 0 to 0.1 l0^2/r_e^2 counts as 0: particles in disorder have that much at the volume of a
+lattice, and water at rest would swell by it. The original method has s = e/dt^2 alone. All of it removes the whole
+error in one step, by velocities of about e l0/dt that stay: the shorter the steps, the faster they are, and the shorter
+the next step. That runs away; a share of 0.2 does not, and errors still decay in some ten steps.
 
-The original method (Koshizuka & Oka 1996) has rho e/dt^2 alone. All of it mends the whole error in one step, by
-velocities of about e l0/dt that stay: the shorter the steps, the faster they are, and the shorter the next step. That
-runs away; a share of 0.2 does not, and errors still decay in some ten steps.
+Walls w are not unknowns: the pressure beyond a wall follows from the wall's acceleration a_w, p_w - p_i =
+rho (g - a_w) . x_iw. Along a flat wall the conservative scheme adds the water's mirror image
+(`warp_mps.fluid.mirror_planes`) to c_ij. Water at rest, whose pressure differs by rho (g - a_w) . x_iw, must not count
+a second time: `tilt_i` is the sum of c x_ij over images, divided by the sum of c over the wall's particles.
 
-Walls are no unknowns: the pressure beyond a wall follows from the wall's acceleration a, p_j - p_i =
-rho (g - a) . x_ij, which goes to the right-hand side; u* of a wall is the velocity that this gradient turns into the
-wall's own. Along a flat wall the conservative scheme adds the water's mirror image (`warp_mps.fluid.mirror_planes`), in
-which water at rest, whose pressure differs by rho (g - a) . x_ij, must not count a second time. With c the coefficients
-of the pairs and `tilt_i` the sum of c x_ij over images, divided by the sum of c over the wall's particles, one of these
-enters the right-hand side by rho (g - a) . (x_ij - tilt_i).
+Free surface: b_i is the part beyond it (`warp_mps.fluid.pressure.density`), and e counts as 0 there.
 
-Conservative forces push a particle by 2 p_i sum_j c x_ij beyond what a gradient would, and the equation does not know.
-In deep water that feeds back on the pressure of the next step and may grow. Half of the true operator never exceeds
--lap + k |sum_j c x_ij|^2 with k = 4, so that this term, on the change of p since the last step, makes the feedback
-decay, and is gone where p is steady. `DAMPING` is larger, for tanks that are filled too full.
-
-A particle is of the free surface if its number density and its number of neighbours are both low. What its sum of
-pressures misses lies beyond the surface, where the pressure is taken to go on linearly through 0, which it has at the
-surface itself, half a spacing above the uppermost particles: with the particle's depth s and M the sum of w times the
-height above it of what is not there, that adds M/s to the row's diagonal. On a lattice
-
-    M/s = n0 q (b1 + b2 q),   q = 1 - n/n0
-
-with factors b1, b2 (`warp_mps.fluid.operator_constants`) that make a linear pressure exact in the two rows below the
-surface; with n0 q (Nair & Tomar 2014) it would be 0 up to a spacing above it. There e, which is negative, does not
-count.
+Damping: conservative forces push a particle by 2 p_i sum_j g x_ij beyond the gradient, which the equation lacks. In
+deep water that feeds back on the pressure of the next step and may grow. Half of the true operator never exceeds -lap +
+k |sum_j g x_ij|^2 with k = 4. The term k_i (p_i - p_i^old) makes the feedback decay, and is 0 where p is steady.
+`DAMPING` is larger, for tanks that are filled too full.
 
 References:
-    Khayyer, A. and Gotoh, H., Coastal Engineering 56 (2009) 419.
     Koshizuka, S. and Oka, Y., Nuclear Science and Engineering 123 (1996) 421.
-    Nair, P. and Tomar, G., Computers & Fluids 102 (2014) 304.
 """
 
 import functools
@@ -52,215 +35,168 @@ from warp_mps.core.periodic import displacement_function
 from warp_mps.core.types import NumericTypes
 from warp_mps.core.weights import weight_function
 from warp_mps.fluid import METHOD
+from warp_mps.fluid.constants import fluid_constants_struct
 from warp_mps.fluid.mirror_planes import mirror_plane_kernels
-from warp_mps.fluid.schemes import CONSERVATIVE, CORRECTED, KOSHIZUKA_OKA
+from warp_mps.fluid.neighbour_search import neighbour_table_struct
+from warp_mps.fluid.pressure.density import CLOSEST, density_functions
+from warp_mps.fluid.pressure.divergence import divergence_functions
+from warp_mps.fluid.schemes import CONSERVATIVE, KOSHIZUKA_OKA
 
-# the free surface: below this share of a full lattice's number density, and of its neighbours
-SURFACE_DENSITY, SURFACE_NEIGHBOURS = 0.97, 0.85
-# closest distance that the divergence sees, in spacings: what is closer is two particles that collide
-CLOSEST = 0.05
-# errors of the number density are mended no faster than this one: strained lattices and splashes show larger ones
+# errors of the number density count as this one at most: strained lattices and splashes show larger ones
 LARGEST_ERROR = 0.02
-# what particles in disorder have too much of number density at the volume of a lattice, times (r_e/l0)^2
+# excess of the number density of particles in disorder at the volume of a lattice, times (r_e/l0)^2
 DISORDER = 0.1
-# share of the error of the number density that the original scheme mends in a step
+# share of the error of the number density that the original scheme removes in a step
 ORIGINAL_SHARE = 0.2
 # factor k of the term that damps changes of the pressure of unevenly surrounded particles
 DAMPING = 16.0
-# least determinant of a moment matrix, 1 on a lattice, that is inverted: below, the neighbours lie too one-sided
-LEAST_DETERMINANT = 0.1
-# how far a force is scaled for uneven particles
-LARGEST_SCALE = 0.06
 
 
 @functools.cache
-def pressure_kernels(types: NumericTypes) -> SimpleNamespace:
-    """Kernels `assemble`, `chunk_minima`, `set_level`."""
-    real, vec, mat = types.real, types.vec, types.mat
+def row_kernels(types: NumericTypes) -> SimpleNamespace:
+    """Kernel `assemble`."""
+    real, vec = types.real, types.vec
+    Constants, Neighbours = fluid_constants_struct(types), neighbour_table_struct()
     displacement, weight = displacement_function(types), weight_function(types)
-    planes = mirror_plane_kernels(types)
-    mirror_distance_squared, mirror_wall_strain = planes.mirror_distance_squared, planes.mirror_wall_strain
+    image_distance_squared = mirror_plane_kernels(types).mirror_distance_squared
+    density, velocity = density_functions(types), divergence_functions(types)
+    DensitySums, VelocitySums = density.DensitySums, velocity.VelocitySums
+    add_density_pair, is_free_surface = density.add_density_pair, density.is_free_surface
+    beyond_surface, density_scale = density.beyond_surface, density.density_scale
+    divergence_weight, divergence = velocity.divergence_weight, velocity.divergence
+    add_fluid_velocity, add_wall_velocity = velocity.add_fluid_velocity, velocity.add_wall_velocity
+
+    @wp.struct
+    class WallSums:
+        """Sums over the wall particles within r_e, and over mirror images, with c = laplacian w.
+
+        Attributes:
+            pressure: sum_w c (g - a_w) . x_iw [1/s^2].
+            pull: sum_w c (g - a_w) [1/(m s^2)].
+            share: sum_w c [1/m^2].
+            lean: Sum of c x_ij over mirror images [1/m].
+        """
+
+        pressure: real
+        pull: vec
+        share: real
+        lean: vec
 
     @types.func(METHOD)
-    def gradient_weight(scheme: wp.int32, r: real, radius: real) -> real:
-        """The pair weight g/r_e^2 of the gradient; the original one for the original scheme."""
-        if scheme > wp.static(CORRECTED):
-            inverse = real(1.0) / r
-            return weight(r, radius) * inverse * inverse
-        # divided by what is the same for all pairs, so that a loop over pairs divides once
-        s = real(1.0) - r * (real(1.0) / radius)
-        return s * s * s * (real(1.0) / (radius * radius))
+    def add_wall_pair(sums: wp.ref[WallSums], c: real, x_ij: vec, relative_gravity: vec):
+        """Add a wall particle at x_ij [m]; the relative gravity is g - a_w [m/s^2]."""
+        sums.pressure += c * wp.dot(relative_gravity, x_ij)
+        sums.pull += c * relative_gravity
+        sums.share += c
 
     @types.func(METHOD)
-    def source(scheme: wp.int32, e: real, slack: real, div: real, dt: real, tau: real) -> real:
-        """Source of -lap p, per density."""
-        if scheme == wp.static(KOSHIZUKA_OKA):
+    def source(e: real, div: real, dt: real, fluid: Constants) -> real:
+        """Source s = (e/tau - div u*)/dt of -lap p, per density [1/s^2]; s = 0.2 e/dt^2 for the original scheme."""
+        if fluid.scheme == wp.static(KOSHIZUKA_OKA):
             return real(ORIGINAL_SHARE) * e / (dt * dt)
+        slack = real(DISORDER) * (fluid.spacing / fluid.radius) * (fluid.spacing / fluid.radius)
         e = wp.clamp(e - wp.clamp(e, real(0.0), slack), real(-LARGEST_ERROR), real(LARGEST_ERROR))
-        return (e / tau - div) / dt
+        return (e / fluid.relaxation_time - div) / dt
+
+    @types.func(METHOD)
+    def damping_of(uneven: vec, fluid: Constants) -> real:
+        """k_i = DAMPING |gradient sum_j g x_ij/r_e^2|^2 [1/m^2], of the conservative scheme."""
+        if fluid.scheme == wp.static(CONSERVATIVE):
+            return real(DAMPING) * fluid.gradient * fluid.gradient * wp.dot(uneven, uneven)
+        return real(0.0)
 
     @types.kernel(METHOD)
     def assemble(
         # Model:
-        walls: wp.int32,
-        scheme: wp.int32,
-        period: vec,
-        radius: real,
-        spacing: real,
-        n0: real,
-        full: real,
-        divergence: real,
-        laplacian: real,
-        gradient: real,
-        density: real,
-        gravity: vec,
-        first: real,
-        second: real,
-        tau: real,
-        listed: wp.array(dtype=wp.int32, ndim=2),
-        count: wp.array(dtype=wp.int32),
+        fluid: Constants,
+        neighbours: Neighbours,
         # State in:
-        dt: wp.array(dtype=wp.float64),
-        x: wp.array(dtype=vec),
-        u: wp.array(dtype=vec),
-        a: wp.array(dtype=vec),
-        p: wp.array(dtype=wp.float64),
-        normal: wp.array(dtype=vec),
-        depth: wp.array(dtype=real),
-        # Out:
-        n_out: wp.array(dtype=real),
-        scale_out: wp.array(dtype=real),
-        first_out: wp.array(dtype=wp.int32),
-        count_out: wp.array(dtype=wp.int32),
-        index_out: wp.array(dtype=wp.int32),
-        value_out: wp.array(dtype=real),
-        diagonal_out: wp.array(dtype=real),
-        active_out: wp.array(dtype=wp.int32),
-        rhs_out: wp.array(dtype=wp.float64),
-        surface_out: wp.array(dtype=wp.int32),
-        tilt_out: wp.array(dtype=vec),
-        singular_out: wp.array(dtype=wp.int32),
+        dt: wp.array(dtype=wp.float64),  # time step [s], [1]
+        x: wp.array(dtype=vec),  # predicted positions [m], [n]
+        u: wp.array(dtype=vec),  # predicted velocities, of walls their own [m/s], [n]
+        a: wp.array(dtype=vec),  # accelerations of walls [m/s^2], [n]
+        p: wp.array(dtype=wp.float64),  # pressures of the last step [Pa], [m]
+        normal: wp.array(dtype=vec),  # normals into the walls beside particles [-], [m]
+        depth: wp.array(dtype=real),  # distances from the faces of these walls, 0 without [m], [m]
+        # State out:
+        n_out: wp.array(dtype=real),  # number densities [-], [m]
+        density_scale_out: wp.array(dtype=real),  # density scales of the gradient [-], [m]
+        first_out: wp.array(dtype=wp.int32),  # first entry of each row, [m]
+        count_out: wp.array(dtype=wp.int32),  # number of entries of each row, [m]
+        index_out: wp.array(dtype=wp.int32),  # column of each entry, [m room]
+        value_out: wp.array(dtype=real),  # entries c_ij, with their sign turned [1/m^2], [m room]
+        diagonal_out: wp.array(dtype=real),  # diagonal [1/m^2], [m]
+        active_out: wp.array(dtype=wp.int32),  # 1 for each row that is solved, [m]
+        rhs_out: wp.array(dtype=wp.float64),  # right-hand side [Pa/m^2], [m]
+        surface_out: wp.array(dtype=wp.int32),  # 1 for particles of the free surface, else 0, [m]
+        tilt_out: wp.array(dtype=vec),  # offsets of pair vectors to walls [m], [m]
+        singular_out: wp.array(dtype=wp.int32),  # 0 if any particle is of the free surface, else untouched, [1]
     ):
-        """The row of a fluid particle, among the fluid particles alone."""
+        """The row of a fluid particle, sum_j c_ij (p_i - p_j) + (b_i + k_i) p_i, and its right-hand side."""
         k = wp.tid()
-        i = k + walls
+        i = k + fluid.walls
         h = real(dt[0])
         x_i = x[i]
         u_i = u[i]
-        start = k * listed.shape[1]
-        entries = wp.int32(0)
-        near = wp.int32(0)
-        n = real(0.0)
-        diagonal = real(0.0)
-        wall = real(0.0)
-        pull = vec()
-        share = real(0.0)
-        lean = vec()
         normal_i = normal[k]
         depth_i = depth[k]
-        moment = real(0.0)
-        uneven = vec()
-        moments = mat()
-        strain = mat()
-        wall_reach = vec()
-        wall_moments = mat()
-        wall_strain = mat()
-        for m in range(count[i]):
-            j = listed[i, m]
-            x_ij = displacement(x_i, x[j], period)
+        sums = DensitySums()
+        velocities = VelocitySums()
+        walls = WallSums()
+        start = k * neighbours.index.shape[1]
+        entries = wp.int32(0)
+        diagonal = real(0.0)
+        for m in range(neighbours.count[i]):
+            j = neighbours.index[i, m]
+            x_ij = displacement(x_i, x[j], fluid.period)
             square = wp.dot(x_ij, x_ij)
-            if square < radius * radius:
-                r = wp.max(wp.sqrt(square), real(CLOSEST) * spacing)
-                inverse = real(1.0) / r
-                arm = (divergence * inverse * inverse * inverse) * x_ij
-                w = weight(r, radius)
-                c = laplacian * w
-                if j < walls:
-                    wall += c * wp.dot(gravity - a[j], x_ij)
-                    pull += c * (gravity - a[j])
-                    share += c
-                    wall_reach += arm
-                    wall_moments += wp.outer(arm, x_ij)
-                    wall_strain += wp.outer(u[j] + h * (gravity - a[j]) - u_i, arm)
+            if square < fluid.radius * fluid.radius:
+                r = wp.max(wp.sqrt(square), real(CLOSEST) * fluid.spacing)
+                w = weight(r, fluid.radius)
+                c = fluid.laplacian * w
+                m_ij = divergence_weight(x_ij, r, fluid)
+                add_density_pair(sums, fluid, x_ij, r, w)
+                if j < fluid.walls:
+                    relative_gravity = fluid.gravity - a[j]
+                    add_wall_pair(walls, c, x_ij, relative_gravity)
+                    add_wall_velocity(velocities, m_ij, x_ij, u[j] + h * relative_gravity - u_i)
                 else:
                     if depth_i > real(0.0):
-                        image = mirror_distance_squared(square, normal_i, normal[j - walls], depth_i, depth[j - walls])
-                        extra = laplacian * weight(wp.sqrt(image), radius)
-                        lean += extra * x_ij
+                        k_j = j - fluid.walls
+                        image = image_distance_squared(square, normal_i, normal[k_j], depth_i, depth[k_j])
+                        extra = fluid.laplacian * weight(wp.sqrt(image), fluid.radius)
+                        walls.lean += extra * x_ij
                         c += extra
-                    moments += wp.outer(arm, x_ij)
-                    strain += wp.outer(u[j] - u_i, arm)
-                    index_out[start + entries] = j - walls
+                    add_fluid_velocity(velocities, m_ij, x_ij, u[j] - u_i)
+                    index_out[start + entries] = j - fluid.walls
                     value_out[start + entries] = c
                     entries += 1
                     diagonal += c
-                n += w
-                near += 1
-                g = gradient_weight(scheme, r, radius)
-                moment += g * r * r
-                uneven += g * x_ij
-        if depth_i > real(0.0):
-            wall_strain = mirror_wall_strain(strain, moments, wall_strain, wall_moments, wall_reach, normal_i, depth_i)
-        moments += wall_moments
-        strain += wall_strain
-        if scheme == wp.static(CONSERVATIVE) and wp.determinant(moments) > real(LEAST_DETERMINANT):
-            strain = strain * wp.inverse(moments)
-        e = n / n0 - real(1.0)
-        surface = wp.int32(0)
+
+        e = sums.n / fluid.number_density - real(1.0)
+        surface = is_free_surface(sums.n, sums.neighbours, fluid)
         beyond = real(0.0)
-        if n < real(SURFACE_DENSITY) * n0 and real(near) < real(SURFACE_NEIGHBOURS) * full:
-            surface = 1
-            # what has no fluid about it, as a lost particle, does not tell the others their pressure
+        if surface:
+            # a particle without fluid about it, as a lost one, does not set the level of the others' pressure
             if entries > 0:
                 singular_out[0] = 0
-            beyond = -laplacian * n0 * e * (first - second * e)
+            beyond = beyond_surface(e, fluid)
             e = real(0.0)
-        n_out[k] = n
-        surface_out[k] = surface
-        even = real(wp.static(types.dimension)) / wp.max(gradient * moment, real(1.0e-6))
-        scale_out[k] = wp.clamp(even, real(1.0 - LARGEST_SCALE), real(1.0 + LARGEST_SCALE))
+        damping = damping_of(sums.uneven, fluid)
+        tilt = walls.lean / wp.max(walls.share, fluid.laplacian * real(1.0e-6))
+        given = fluid.density * (walls.pressure - wp.dot(walls.pull, tilt))
+        if not surface or fluid.scheme == wp.static(CONSERVATIVE):
+            div = divergence(velocities, fluid.scheme, normal_i, depth_i)
+            given += fluid.density * source(e, div, h, fluid)
+
+        n_out[k] = sums.n
+        density_scale_out[k] = density_scale(sums.moment, fluid)
         first_out[k] = start
         count_out[k] = entries
-        damping = real(0.0)
-        if scheme == wp.static(CONSERVATIVE):
-            damping = real(DAMPING) * gradient * gradient * wp.dot(uneven, uneven)
         diagonal_out[k] = diagonal + beyond + damping
         active_out[k] = 1
-        tilt = lean / wp.max(share, laplacian * real(1.0e-6))
-        tilt_out[k] = tilt
-        given = density * (wall - wp.dot(pull, tilt))
-        if surface == 0 or scheme == wp.static(CONSERVATIVE):
-            slack = real(DISORDER) * (spacing / radius) * (spacing / radius)
-            given += density * source(scheme, e, slack, wp.trace(strain), h, tau)
         rhs_out[k] = wp.float64(given) + wp.float64(damping) * p[k]
+        surface_out[k] = wp.int32(surface)
+        tilt_out[k] = tilt
 
-    @types.kernel(METHOD)
-    def chunk_minima(chunk: wp.int32, p: wp.array(dtype=wp.float64), least_out: wp.array(dtype=wp.float64)):
-        """Least pressure of each chunk of particles."""
-        c = wp.tid()
-        value = p[c * chunk]
-        for k in range(c * chunk + 1, wp.min((c + 1) * chunk, p.shape[0])):
-            value = wp.min(value, p[k])
-        least_out[c] = value
-
-    @types.kernel(METHOD)
-    def set_level(
-        clip: wp.int32,
-        singular: wp.array(dtype=wp.int32),
-        least: wp.array(dtype=wp.float64),
-        # Out:
-        p_out: wp.array(dtype=wp.float64),
-    ):
-        """Clip negative pressures; in a closed domain, where only differences count, make the least one 0 instead."""
-        k = wp.tid()
-        if singular[0] == 1:
-            floor = least[0]
-            for c in range(1, least.shape[0]):
-                floor = wp.min(floor, least[c])
-            p_out[k] = p_out[k] - floor
-        elif clip == 1:
-            p_out[k] = wp.max(p_out[k], wp.float64(0.0))
-
-    return SimpleNamespace(
-        gradient_weight=gradient_weight, assemble=assemble, chunk_minima=chunk_minima, set_level=set_level
-    )
+    return SimpleNamespace(assemble=assemble)

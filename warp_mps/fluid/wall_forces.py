@@ -1,0 +1,104 @@
+"""Pressure forces of the fluid on the particles of walls, and the pressures there.
+
+    F_w = -V sum_i s_i c (p_i + p_w) x_wi,   c = gradient * g/r_e^2
+
+It is the force of the conservative scheme whatever the scheme (`warp_mps.fluid.gradient`): sums of pressure
+differences, by which the others move the fluid, do not hold the level of the pressure.
+"""
+
+import functools
+from types import SimpleNamespace
+
+import warp as wp
+
+from warp_mps.core.periodic import displacement_function
+from warp_mps.core.types import NumericTypes
+from warp_mps.core.weights import weight_function
+from warp_mps.fluid import METHOD
+from warp_mps.fluid.constants import fluid_constants_struct
+from warp_mps.fluid.gradient import CLOSEST, gradient_kernels
+from warp_mps.fluid.gradient_weight import gradient_weight_function
+from warp_mps.fluid.neighbour_search import neighbour_table_struct
+from warp_mps.fluid.schemes import CONSERVATIVE
+
+
+@functools.cache
+def wall_force_kernels(types: NumericTypes) -> SimpleNamespace:
+    """Kernels `pressure_wall_impulse` and `wall_pressure`."""
+    real, vec = types.real, types.vec
+    Constants, Neighbours = fluid_constants_struct(types), neighbour_table_struct()
+    vec64 = wp.types.vector(length=types.dimension, dtype=wp.float64)
+    displacement, weight = displacement_function(types), weight_function(types)
+    gradient_weight, gradient = gradient_weight_function(types), gradient_kernels(types)
+    wall_particle_pressure, pair_pressure = gradient.wall_particle_pressure, gradient.pair_pressure
+
+    @types.kernel(METHOD)
+    def pressure_wall_impulse(
+        # Model:
+        fluid: Constants,
+        neighbours: Neighbours,
+        # State in:
+        dt: wp.array(dtype=wp.float64),
+        x: wp.array(dtype=vec),
+        u: wp.array(dtype=vec),
+        a: wp.array(dtype=vec),
+        p: wp.array(dtype=wp.float64),
+        scale: wp.array(dtype=real),
+        along: wp.array(dtype=vec),
+        # State in and out:
+        impulse: wp.array(dtype=vec64),
+        work: wp.array(dtype=wp.float64),
+    ):
+        """Impulse on a wall's particle, and the wall's work.
+
+        It is that of the conservative scheme whatever the scheme: sums of pressure differences, by which the others
+        move the fluid, hold nothing of the level of the pressure.
+        """
+        j = wp.tid()
+        x_j = x[j]
+        total = vec()
+        for m in range(neighbours.count[j]):
+            i = neighbours.index[j, m]
+            x_ij = displacement(x[i], x_j, fluid.period)
+            square = wp.dot(x_ij, x_ij)
+            if square < fluid.radius * fluid.radius:
+                r = wp.max(wp.sqrt(square), real(CLOSEST) * fluid.radius)
+                c = fluid.gradient * gradient_weight(fluid.scheme, r, fluid.radius)
+                p_i = real(p[i - fluid.walls])
+                p_j = wall_particle_pressure(p_i, fluid.density * wp.dot(fluid.gravity - a[j], x_ij), fluid.clip)
+                pressed = pair_pressure(wp.static(CONSERVATIVE), p_i, p_j, p_i) + wp.dot(along[i - fluid.walls], x_ij)
+                total += (scale[i - fluid.walls] * c * pressed) * x_ij
+        gained = (dt[0] * wp.float64(fluid.volume)) * vec64(total)
+        impulse[j] = impulse[j] + gained
+        work[j] = work[j] - wp.dot(gained, vec64(u[j]))
+
+    @types.kernel(METHOD)
+    def wall_pressure(
+        # Model:
+        fluid: Constants,
+        neighbours: Neighbours,
+        # State in:
+        x: wp.array(dtype=vec),
+        a: wp.array(dtype=vec),
+        p: wp.array(dtype=wp.float64),
+        # Out:
+        p_out: wp.array(dtype=wp.float64),
+    ):
+        """Pressure of a wall's particle: the mean of what the fluid about it sees there."""
+        j = wp.tid()
+        x_j = x[j]
+        total = real(0.0)
+        weights = real(0.0)
+        for m in range(neighbours.count[j]):
+            i = neighbours.index[j, m]
+            x_ij = displacement(x[i], x_j, fluid.period)
+            w = weight(wp.length(x_ij), fluid.radius)
+            total += w * wall_particle_pressure(
+                real(p[i - fluid.walls]), fluid.density * wp.dot(fluid.gravity - a[j], x_ij), fluid.clip
+            )
+            weights += w
+        if weights > real(0.0):
+            total = total / weights
+        p_out[j] = wp.float64(total)
+
+    return SimpleNamespace(pressure_wall_impulse=pressure_wall_impulse, wall_pressure=wall_pressure)
