@@ -1,4 +1,4 @@
-"""The mobility of bodies, against what is known of simple ones."""
+"""The mobility of bodies, against that of simple ones."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The exchange between water and markers: its matrix and its right-hand side against dense products."""
+"""The Robin term of the markers: its matrix and its right-hand side against dense products."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def doubles(values: Any) -> wp.array:
 
 
 def product(system: Hydroelastic, p: np.ndarray, *, fresh: bool) -> np.ndarray:
-    """What is added to a product with the matrix, less its diagonal part."""
+    """The addition to a product with the matrix, less its diagonal part."""
     q, other = doubles(np.zeros(len(p))), doubles(np.full(len(p), np.nan))
     control = wp.full(CONTROLS, int(fresh), dtype=wp.int32, device="cpu")
     both = (doubles(p), other) if fresh else (other, doubles(p))
@@ -90,7 +90,7 @@ def test_products_are_those_of_the_dense_matrix(dimension: int, precision: str, 
 
 @pytest.mark.parametrize("place", PLACES)
 @pytest.mark.parametrize("dimension", [2, 3])
-def test_the_answer_is_symmetric_and_takes_no_energy_from_nowhere(dimension: int, place: str) -> None:
+def test_the_robin_term_is_symmetric_and_positive(dimension: int, place: str) -> None:
     """As the device has it, column by column: eigenvalues are not negative, and dry rows are empty."""
     system = stirred(dimension, "float64", place=place)
     robin = system.step.passes.robin
@@ -157,7 +157,7 @@ def test_markers_that_accelerate_are_walls_that_do(dimension: int, place: str) -
 def test_approximate_forces_carry_the_pressure() -> None:
     """The force of a uniform pressure on a flat face is the pressure, in the equation's approximation as in the step's.
 
-    They need not agree marker by marker: what the equation answers for is gone where all agrees.
+    They need not agree marker by marker: the term is gone where the passes have converged.
     """
     system = system_of(pool(lump([0, 0], [14, 4]), cells=(14, 12), gravity=(0.0, 0.0)))
     fluid, e = system.fluids.step, system.markers.count

@@ -44,7 +44,7 @@ def test_graphs_and_kernels_give_the_same_bits_and_the_same_run_twice(
 
 @pytest.mark.parametrize("way", [pytest.param(RUBBING, marks=pytest.mark.long), IMPLICIT])
 def test_a_restored_run_goes_on_to_the_same_bits(way: dict, monkeypatch: pytest.MonkeyPatch) -> None:
-    """While particles are sorted, steps change their length, and mobilities are measured anew."""
+    """While particles are sorted, steps change their length, and mobilities are measured again."""
     monkeypatch.setattr(time_loop, "SORT_EVERY", 25)
     monkeypatch.setattr(added_mass, "STEPS", 15)
     scene = busy(**way)

@@ -1,4 +1,4 @@
-"""Bodies that take a step of the water again and again, from the same state under other forces."""
+"""Bodies that take a step of the fluid several times, from the same state under other forces."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def push(system: Hydroelastic, force: np.ndarray | float) -> None:
 
 @pytest.mark.parametrize("way", BOTH)
 @pytest.mark.parametrize(("dimension", "precision"), KINDS)
-def test_every_try_of_a_step_begins_with_the_same_state(way: dict, dimension: int, precision: str) -> None:
+def test_every_pass_of_a_step_starts_from_the_saved_state(way: dict, dimension: int, precision: str) -> None:
     """Whatever was tried in between; with graphs and without."""
     ends = []
     for graphs in (True, False):
@@ -79,7 +79,7 @@ def test_a_free_body_gains_the_impulse_of_its_forces(way: dict, dimension: int) 
 
 
 def test_substeps_divide_a_step() -> None:
-    """Their number in a step follows the wish, a step is never longer, and the rest comes out even."""
+    """Their number follows the step that is asked for, which is never exceeded, and the rest comes out even."""
     structure = system_of(hung(integrator="explicit")).structure
     assert isinstance(structure, SubsteppedStructure)
     rng, interval = np.random.default_rng(2), round(0.01 / structure.dt)

@@ -203,7 +203,7 @@ def clustered(*, graphs: bool = True, viscosity: float = 0.0) -> Simulation:
 
 @pytest.mark.parametrize("viscosity", [0.0, 0.5])
 def test_lists_grow_where_particles_crowd(viscosity: float) -> None:
-    """Graphs are captured anew, implicit viscosity has its rows, and a run that is restored gets the same room."""
+    """Graphs are captured again, implicit viscosity has its rows, and a run that is restored gets the same room."""
     runs = [clustered(viscosity=viscosity), clustered(viscosity=viscosity, graphs=False)]
     room = runs[0].fluids.step.neighbours.listed.shape[1]
     assert runs[0].fluids.step.neighbours.overflowed() is not None

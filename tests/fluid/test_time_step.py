@@ -1,4 +1,4 @@
-"""The limits of what is computed of fluids."""
+"""Time step and domain of fluids."""
 
 from __future__ import annotations
 

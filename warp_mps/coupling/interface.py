@@ -134,7 +134,7 @@ def _cells(particles: Particles, spacing: float) -> np.ndarray:
         x, own = particles.positions[first:last], float(particles.spacings[first])
         cells = _cells_of(x @ _axes(x, own), own, spacing) if own < (1.0 - ROUNDING) * spacing else x
         _, begin, inverse = np.unique(cells, axis=0, return_index=True, return_inverse=True)
-        # numbered by their first particle, which keeps what is near in space near in memory
+        # numbered by their first particle, so that neighbours in space are near in memory
         rank = np.argsort(np.argsort(begin))
         markers[first:last] = count + rank[inverse.ravel()]
         count += len(begin)

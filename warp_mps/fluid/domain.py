@@ -12,7 +12,7 @@ from warp_mps.scene import Scene
 def domain(scene: Scene, particles: Particles) -> tuple[np.ndarray, np.ndarray]:
     """Lowest and highest corner of the domain [m]; by default the particles' box, and its size about it.
 
-    Against gravity it is twice the size: what is thrown up high comes back.
+    Against gravity it is twice the size, for water that is thrown up comes back.
 
     Raises:
         InputError: The domain of the scene does not hold its fluids.

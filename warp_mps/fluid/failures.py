@@ -10,9 +10,10 @@ from warp_mps.fluid.step import FluidStep
 
 # share of the fluid that may leave the domain
 LARGEST_LOSS = 0.01
-# times the speed that the longest step is for, and the walls': what is faster has run away, and steps collapse with it
+# in units of the speed that the longest step is for, and of the walls': a particle that is faster has run away, and the
+# time step collapses with it
 LARGEST_SPEED = 1000.0
-# steps in a row after which an equation that stays unsolved ends the run: a splash may fail one, and is soon over
+# steps in a row after which an equation that stays unsolved ends the run: in a splash a few solves may fail
 MOST_UNSOLVED = 10
 
 
@@ -82,7 +83,7 @@ class FluidFailures:
         return f"more particles crowd about {middle} than a neighbour list holds: the flow has collapsed there"
 
     def _find_leak(self) -> str | None:
-        """Which particle has left the domain, if too many have, or one whose position is not finite."""
+        """A particle that has left the domain, if too many have, or that has a position which is not finite."""
         w = self._model.walls
         lost = w + np.flatnonzero(self._state.lost.numpy()[w:])
         wrong = lost[~np.isfinite(self._state.x.numpy()[lost]).all(axis=1)]

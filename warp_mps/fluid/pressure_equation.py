@@ -21,7 +21,7 @@ MAX_ITERATIONS = 2000
 
 
 class PressureEquation:
-    """The pressure Poisson equation A p = b of m fluid particles, and what is found while it is assembled.
+    """The pressure Poisson equation A p = b of m fluid particles, and the quantities that its assembly finds.
 
     Attributes:
         matrix: A; its arrays have room for as many entries a row as the neighbour lists have.

@@ -89,7 +89,7 @@ class FluidState:
         return np.concatenate((values[:w].astype(float), self.fluid_in_scene_order(values[w:])))
 
     def sort(self, low: np.ndarray, cell: float) -> None:
-        """Put the fluid particles in the order of cells [m]: what is near in space is then near in memory.
+        """Put the fluid particles in the order of cells, so that neighbours in space are near in memory.
 
         Neighbour lists must be renewed afterwards.
 

@@ -102,6 +102,11 @@ class Simulation(Readings):
         return ReplayedSteps(self._system, self._device, graphs=graphs)
 
     @property
+    def system(self) -> System:
+        """The elastic bodies of the scene, its fluids, or both in strong coupling."""
+        return self._system
+
+    @property
     def solid(self) -> ElasticSystem:
         """The elastic bodies.
 

@@ -96,7 +96,7 @@ def column(dimension: int, size: int, way: IntegratorName) -> Scene:
 
 def _measure(scene: Scene, precision: str, device: str) -> list[str]:
     simulation = Simulation(scene, device=device, precision=precision)
-    system, p = simulation._system, simulation.particles
+    system, p = simulation.system, simulation.particles
     assert isinstance(system, Hydroelastic)
     simulation.advance(WARM)
     before, steps, passes = system.fluids.statistics(), simulation.steps_done, system.step.passes.statistics.passes
