@@ -13,7 +13,7 @@ from pxr import Sdf, Usd, UsdGeom, UsdPhysics
 from warp_mps.app.run_folder import ANIMATION, require_run
 from warp_mps.errors import InputError
 from warp_mps.usd.animation.colours import linear_to_srgb
-from warp_mps.usd.case.opening import open_stage
+from warp_mps.usd.case.open_stage import open_stage
 
 # SI units of the quantities that a result may hold; points, velocities and widths are in the stage's units
 UNITS = {"pressure": "Pa", "stress": "Pa", "strain": "1", "von_mises": "Pa", "strain_energy": "J/m^3"}

@@ -15,8 +15,10 @@ from __future__ import annotations
 import ast
 import dataclasses
 import functools
+import itertools
 import sys
 import textwrap
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, Literal, TypeVar
 
@@ -130,15 +132,26 @@ def default_of(kind: type, name: str) -> Any:
 @functools.cache
 def meanings(kind: type) -> dict[str, str]:
     """Meanings of the fields of a class: the strings below them; empty where the source is not at hand."""
-    found, last = dict[str, str](), ""
-    for statement in _classes(str(getattr(sys.modules.get(kind.__module__), "__file__", ""))).get(kind.__name__, ()):
-        if isinstance(statement, ast.AnnAssign) and isinstance(statement.target, ast.Name):
-            last = statement.target.id
-        elif last and isinstance(statement, ast.Expr) and isinstance(statement.value, ast.Constant):
-            found[last], last = " ".join(str(statement.value.value).split()), ""
-        else:
-            last = ""
+    found = dict[str, str]()
+    for owner in reversed(kind.__mro__):
+        found |= _strings(_classes(_source(owner)).get(owner.__name__, ()))
     return found
+
+
+def _strings(statements: Sequence[ast.stmt]) -> dict[str, str]:
+    """Strings that stand right below an annotated name, by these names."""
+    found = {}
+    for field, below in itertools.pairwise(statements):
+        if isinstance(field, ast.AnnAssign) and isinstance(field.target, ast.Name):
+            text = below.value.value if isinstance(below, ast.Expr) and isinstance(below.value, ast.Constant) else None
+            if isinstance(text, str):
+                found[field.target.id] = " ".join(text.split())
+    return found
+
+
+def _source(kind: type) -> str:
+    """File of the module of a class, empty for one without."""
+    return str(getattr(sys.modules.get(kind.__module__), "__file__", None) or "")
 
 
 @functools.cache

@@ -180,13 +180,14 @@ _STAGE_ONLY: dict[str, tuple[StageAttribute, ...]] = {
 }
 
 
-def _rows(role: str) -> list[StageAttribute]:
+def stage_attributes(role: str) -> dict[str, StageAttribute]:
+    """The attributes of a role by their names, from the fields of its class."""
     kind = CLASSES[role]
     names = {field.name for field in dataclasses.fields(kind)}
     shape = _SHAPE if names & {"shape", "region"} else ()
     rows = [*_rows_of(kind), *shape, *_STAGE_ONLY.get(role, ())]
     words = {row.field: row.name for row in rows}
-    return [dataclasses.replace(row, meaning=_in_stage(row, words)) for row in rows]
+    return {row.name: dataclasses.replace(row, meaning=_in_stage(row, words)) for row in rows}
 
 
 def _rows_of(kind: type, prefix: str = "", *, optional: bool = False) -> list[StageAttribute]:
@@ -267,7 +268,7 @@ def _in_stage(row: StageAttribute, words: dict[str, str]) -> str:
     return text
 
 
-TABLE: dict[str, dict[str, StageAttribute]] = {role: {row.name: row for row in _rows(role)} for role in CLASSES}
+TABLE: dict[str, dict[str, StageAttribute]] = {role: stage_attributes(role) for role in CLASSES}
 
 # fields of shapes and of the scene whose name in the stage is not in the table
 _OTHER_NAMES = {

@@ -12,7 +12,7 @@ from warp_mps.shapes.lattice import rigid_axes
 from warp_mps.usd.case.attributes import stage_error
 from warp_mps.usd.case.frame import Frame
 from warp_mps.usd.case.layers import reason_of
-from warp_mps.usd.case.values import typed
+from warp_mps.usd.case.prim_values import typed
 
 KINDS = ("Cube", "Sphere", "Cylinder", "Mesh", "Points")
 

@@ -3,7 +3,7 @@
 A stage may come from anywhere. What it refers to must lie beside it, for a stage that reads other files of the user is
 a surprise. USD's readers recurse, and trust the tables of binary files: nesting is counted first, and a stage that is
 binary, or composed of many parts, is opened in a process of its own before this one does
-(`warp_mps.usd.case.trial`), which takes some tenths of a second.
+(`warp_mps.usd.case.isolated_open`), which takes some tenths of a second.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ import numpy as np
 from pxr import Ar, Sdf, Tf
 
 from warp_mps.errors import InputError
-from warp_mps.usd.case.trial import try_stage
+from warp_mps.usd.case.isolated_open import open_isolated
 
 # brackets in each other: USD's reader fails beyond some 1e4
 DEEPEST = 500
@@ -58,14 +58,14 @@ def check_layers(path: str | Path, *, allow_external: bool, tried: bool = False)
             continue
         seen.add(real)
         if _is_binary(file) and not tried:
-            try_stage(path, allow_external=allow_external)
+            open_isolated(path, allow_external=allow_external)
             tried = True
         layers.append(_open(file))
         places = _arcs(layers[-1])
         arcs += len(places)
         waiting.extend(_dependencies(layers[-1], dict(places), home, allow_external))
     if arcs > FEW and not tried:
-        try_stage(path, allow_external=allow_external)
+        open_isolated(path, allow_external=allow_external)
     return layers
 
 

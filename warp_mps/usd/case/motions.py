@@ -15,7 +15,7 @@ from warp_mps.scene import (
     Vector,
     VelocityField,
 )
-from warp_mps.usd.case.values import Values
+from warp_mps.usd.case.prim_values import Values
 
 
 def velocity_field(values: Values) -> VelocityField | None:

@@ -34,8 +34,8 @@ from warp_mps.usd.case.attributes import ROLE, stage_error
 from warp_mps.usd.case.composites import read_region
 from warp_mps.usd.case.geometry import has_shape
 from warp_mps.usd.case.layers import reason_of
-from warp_mps.usd.case.opening import open_stage, quiet
-from warp_mps.usd.case.values import Values
+from warp_mps.usd.case.open_stage import open_stage, quiet
+from warp_mps.usd.case.prim_values import Values
 
 # roles of what is filled with particles
 FILLED = ("body", "wall", "fluid")

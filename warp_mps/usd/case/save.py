@@ -18,7 +18,7 @@ from warp_mps.shapes import Points
 from warp_mps.usd import register_schema
 from warp_mps.usd.case.attributes import ROLE, ROLES, TABLE, StageAttribute
 from warp_mps.usd.case.frame import Frame
-from warp_mps.usd.case.opening import quiet
+from warp_mps.usd.case.open_stage import quiet
 from warp_mps.usd.case.save_shape import lattice_axes, save_shape
 
 ROOT = "/World"

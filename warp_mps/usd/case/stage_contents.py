@@ -10,7 +10,7 @@ from warp_mps.scene import StageFrame
 from warp_mps.usd.case.attributes import ROLE, ROLES, TABLE
 from warp_mps.usd.case.frame import Frame
 from warp_mps.usd.case.geometry import world_matrix
-from warp_mps.usd.case.values import Values, shortest, typed
+from warp_mps.usd.case.prim_values import Values, shortest, typed
 
 EARTH_GRAVITY = 9.81
 # of a unit of length [m] or mass [kg]: from below an atom's to beyond a galaxy's

@@ -1,4 +1,4 @@
-"""The trial opening of a stage is limited in processor time, so that a busy machine refuses nothing."""
+"""Opening a stage in a process of its own is limited in processor time, so that a busy machine refuses nothing."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ import pytest
 
 from tests.usd.case.stages import write
 from warp_mps.errors import InputError
-from warp_mps.usd.case import trial
+from warp_mps.usd.case import isolated_open
 
 # a child as slow as a test wants: it says that it is ready, and then waits or computes
 WAITING = "import sys, time; print('ready', flush=True); time.sleep(float(sys.argv[1]))"
 COMPUTING = (
-    "from warp_mps.usd.case.trial_process import limit_time\n"
+    "from warp_mps.usd.case.isolated_process import limit_time\n"
     "print('ready', flush=True)\n"
     "limit_time(0.1)\n"
     "while True: pass\n"
@@ -23,35 +23,35 @@ COMPUTING = (
 
 
 def start(monkeypatch: pytest.MonkeyPatch, *arguments: str) -> None:
-    """Let a trial start Python with some arguments instead of its own process."""
+    """Let the isolated process start Python with some arguments instead of its own process."""
 
     def replaced(command: list[str], environment: dict[str, str], errors: object) -> subprocess.Popen[bytes]:
         return subprocess.Popen([sys.executable, *arguments], env=environment, stdout=subprocess.PIPE)
 
-    monkeypatch.setattr(trial, "_start", replaced)
+    monkeypatch.setattr(isolated_open, "_start", replaced)
 
 
 def test_a_good_stage_passes(tmp_path: Path) -> None:
-    trial.try_stage(write(tmp_path), allow_external=False)
+    isolated_open.open_isolated(write(tmp_path), allow_external=False)
 
 
 def test_a_process_that_waits_longer_than_its_processor_time_passes(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(trial, "CPU_TIME", 0.2)
+    monkeypatch.setattr(isolated_open, "CPU_TIME", 0.2)
     start(monkeypatch, "-c", WAITING, "0.5")
-    trial.try_stage(write(tmp_path), allow_external=False)
+    isolated_open.open_isolated(write(tmp_path), allow_external=False)
 
 
 def test_a_process_that_computes_too_long_is_ended(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("resource")
     start(monkeypatch, "-c", COMPUTING)
     with pytest.raises(InputError, match="takes USD more than 6 s of processor time to compose"):
-        trial.try_stage(write(tmp_path), allow_external=False)
+        isolated_open.open_isolated(write(tmp_path), allow_external=False)
 
 
 def test_a_process_that_waits_for_ever_is_ended(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(trial, "CPU_TIME", 0.01)
+    monkeypatch.setattr(isolated_open, "CPU_TIME", 0.01)
     start(monkeypatch, "-c", WAITING, "600")
     with pytest.raises(InputError, match="takes USD more than 0 s of wall time to compose"):
-        trial.try_stage(write(tmp_path), allow_external=False)
+        isolated_open.open_isolated(write(tmp_path), allow_external=False)

@@ -1,4 +1,4 @@
-"""The process that `warp_mps.usd.case.trial` starts: it opens one stage in bounded memory and processor time."""
+"""The process that `warp_mps.usd.case.isolated_open` starts: it opens one stage in bounded memory and time."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from pxr import Usd
 
 from warp_mps.errors import InputError
 from warp_mps.usd import register_schema
+from warp_mps.usd.case.isolated_open import MEMORY, MEMORY_PER_BYTE, READY, TOO_LARGE
 from warp_mps.usd.case.layers import check_layers
-from warp_mps.usd.case.trial import MEMORY, MEMORY_PER_BYTE, READY, TOO_LARGE
 
 
 def main(path: str, seconds: str, *external: str) -> int:

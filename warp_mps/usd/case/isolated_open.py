@@ -27,7 +27,7 @@ TOO_LARGE = 3
 BEYOND = b"posix_madvise"
 
 
-def try_stage(path: str | Path, *, allow_external: bool) -> None:
+def open_isolated(path: str | Path, *, allow_external: bool) -> None:
     """Open a stage and every value in it elsewhere; what is wrong with it otherwise is not said.
 
     Args:
@@ -47,7 +47,7 @@ def try_stage(path: str | Path, *, allow_external: bool) -> None:
     command = [
         sys.executable,
         "-m",
-        "warp_mps.usd.case.trial_process",
+        "warp_mps.usd.case.isolated_process",
         os.path.abspath(path),
         str(allowed),
         *["external"] * allow_external,
