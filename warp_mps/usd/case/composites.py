@@ -17,7 +17,7 @@ from warp_mps.usd.case.attributes import ROLE
 from warp_mps.usd.case.frame import Frame
 from warp_mps.usd.case.geometry import has_shape, read_shape
 from warp_mps.usd.case.layers import reason_of
-from warp_mps.usd.case.values import typed
+from warp_mps.usd.case.prim_values import typed
 
 # relationships, in the order in which they are applied, and the operation of each
 PLUS, INTERSECT, MINUS = "mps:plus", "mps:intersect", "mps:minus"
