@@ -131,7 +131,7 @@ def test_positions_beyond_a_period_are_those_within() -> None:
     system = laplacian((30, 26), surface=False, periodic=(0, 1))
     expected, statistics = solve(system, make_multigrid(system, periodic=(0, 1)), singular=True)
     multigrid = make_multigrid(system, periodic=(0, 1))
-    multigrid._positions.assign(system.positions + np.random.default_rng(3).integers(-1, 2, (system.n, 2)) * (30, 26))
+    multigrid.positions.assign(system.positions + np.random.default_rng(3).integers(-1, 2, (system.n, 2)) * (30, 26))
     x, beyond = solve(system, multigrid, singular=True)
     assert beyond.iterations == statistics.iterations
     np.testing.assert_allclose(x, expected, atol=1e-9 * np.abs(expected).max())
@@ -157,7 +157,7 @@ def test_it_is_symmetric_and_positive_whatever_the_matrix(
     assert eigenvalues.min() >= -1e-12 * eigenvalues.max()
     if sign:
         # as many directions as there are cells are corrected, but what does not follow its neighbours is left alone
-        cells = np.sum(multigrid._levels[0].diagonal.numpy() > 0.0)
+        cells = np.sum(multigrid.levels[0].diagonal.numpy() > 0.0)
         assert np.sum(eigenvalues > 1e-6 * eigenvalues.max()) == (cells if sign > 0.0 else 0)
     np.testing.assert_array_equal(matrix[system.active == 0], 0.0)
 
@@ -172,7 +172,7 @@ def test_matrix_of_the_cells_is_the_sum_of_the_entries_between_them(
     system = laplacian(shape, scatter=0.1 * surface, surface=surface, periodic=periodic)
     multigrid = make_multigrid(system, periodic=periodic)
     as_matrix(multigrid, system)
-    level = multigrid._levels[0]
+    level = multigrid.levels[0]
     dims = np.array([level.dims[axis] for axis in range(len(shape))])
     wraps = np.isin(np.arange(len(shape)), periodic)
     widths = np.where(wraps, np.array(shape) / dims, 2.1)
@@ -199,25 +199,18 @@ def test_interpolation_is_linear_and_collecting_is_its_transpose(dimension: int)
     system = laplacian((14, 12, 10)[:dimension], surface=False)
     multigrid = make_multigrid(system)
     as_matrix(multigrid, system)
-    level, kernels = multigrid._levels[0], particle_kernels(numeric_types(dimension))
+    level = multigrid.levels[0]
     dims = np.array([level.dims[axis] for axis in range(dimension)])
     axes = np.meshgrid(*[2.1 * (np.arange(length) + 0.5) for length in dims], indexing="ij")
     slope = np.array([2.0, -1.0, 0.5])[:dimension]
     field = sum(s * x for s, x in zip(slope, axes, strict=True)).ravel(order="F")
     z = vector(np.zeros(system.n))
-    wp.launch(
-        kernels.spread, multigrid._sums, [*multigrid._grid, vector(field)], [multigrid._corner_sums], device="cpu"
-    )
-    inputs = [multigrid._inverse, multigrid._between, multigrid._weight, multigrid._corner_sums]
-    wp.launch(kernels.interpolate_particles, system.n, inputs, [z], device="cpu")
+    multigrid.prolongate(vector(field), z)
     inner = np.all((system.positions > 1.06) & (system.positions < 2.1 * dims - 1.06), axis=1)
     np.testing.assert_allclose(z.numpy()[inner], (system.positions @ slope)[inner], rtol=1e-12)
 
     r = np.random.default_rng(2).normal(size=system.n)
-    inputs = [*multigrid._grid, multigrid._start, multigrid._order, multigrid._weight, vector(r)]
-    wp.launch(kernels.collect_particles, multigrid._sums, inputs, [multigrid._corner_sums], device="cpu")
-    inputs = [*multigrid._grid, level.diagonal, multigrid._corner_sums]
-    wp.launch(kernels.collect_corners, level.size, inputs, [level.r, level.e], device="cpu")
+    multigrid.restrict(vector(r))
     assert level.r.numpy().sum() == pytest.approx(r.sum(), rel=1e-10)
     assert level.r.numpy() @ field == pytest.approx(r @ z.numpy(), rel=1e-10)
 
@@ -246,7 +239,7 @@ def test_a_domain_that_does_not_fit_costs_iterations_only(margin: float) -> None
     """Particles outside are kept at the edge; a nearly empty domain gets wider cells."""
     system = laplacian((40, 30))
     multigrid = make_multigrid(system, margin=margin)
-    assert multigrid._levels[0].size <= system.n
+    assert multigrid.levels[0].size <= system.n
     x, statistics = solve(system, multigrid, tolerance=1e-8)
     assert system.residual(x) <= 1.01e-8
     _, jacobi = solve(system, None, tolerance=1e-8)
@@ -313,7 +306,7 @@ def test_moving_particles_are_followed() -> None:
     solve(system, multigrid)
     mirrored = np.array((40.0, 0.0)) + system.positions * (-1.0, 1.0)
     turned = System(mirrored, system.weights, system.diagonal, system.active, system.b)
-    multigrid._positions.assign(turned.positions)
+    multigrid.positions.assign(turned.positions)
     _, statistics = solve(turned, multigrid)
     _, expected = solve(turned, make_multigrid(turned))
     assert statistics.iterations == expected.iterations

@@ -85,6 +85,10 @@ class MultigridPreconditioner:
         types: Number types of the matrix and the positions.
         device: Warp device.
         periodic: Axes along which the domain repeats itself.
+
+    Attributes:
+        positions: Positions of the rows [m].
+        levels: Grids of cells, the finest one first.
     """
 
     def __init__(
@@ -98,7 +102,7 @@ class MultigridPreconditioner:
         device: Any,
         periodic: tuple[int, ...] = (),
     ) -> None:
-        self._device, self._positions = device, positions
+        self._device, self.positions = device, positions
         self._cells, self._particles = cell_kernels(types), particle_kernels(types)
         self._n = len(positions)
         extent = np.asarray(high, dtype=float) - np.asarray(low, dtype=float)
@@ -111,11 +115,11 @@ class MultigridPreconditioner:
         dims = np.maximum(np.where(wraps, np.floor(extent / width + 1e-6), np.ceil(extent / width)), 1).astype(int)
         widths = np.where(wraps, extent / dims, width)
         self._scale = float(SCALE * reach / widths.min())
-        self._levels = [Level(dims, wraps, types=types, device=device)]
+        self.levels = [Level(dims, wraps, types=types, device=device)]
         while dims.max() > 2:
             dims = halved(dims)
-            self._levels.append(Level(dims, wraps, types=types, device=device))
-        top = self._levels[0]
+            self.levels.append(Level(dims, wraps, types=types, device=device))
+        top = self.levels[0]
         self._wraps = cell_type(types)(*[int(wrap) for wrap in wraps])
         self._grid = [top.dims, self._wraps]
         self._bins = top.size * 2**types.dimension
@@ -123,7 +127,7 @@ class MultigridPreconditioner:
         self._allocate(types)
 
     def _allocate(self, types: NumericTypes) -> None:
-        n, device, dims = self._n, self._device, self._levels[0].dims
+        n, device, dims = self._n, self._device, self.levels[0].dims
         # boxes between the centres of cells
         self._sums = int(np.prod([dims[axis] + 1 - self._wraps[axis] for axis in range(types.dimension)]))
         shares = corner_type(types)
@@ -139,10 +143,10 @@ class MultigridPreconditioner:
 
     def prepare(self, matrix: Matrix, inverse: wp.array) -> None:
         """Launch the sorting of the unknowns into cells, and the matrices of all levels."""
-        particles, levels, top = self._particles, self._levels, self._levels[0]
+        particles, levels, top = self._particles, self.levels, self.levels[0]
         self._inverse = inverse
         outputs = [self._bin, self._order, self._between, self._cell, self._weight]
-        self._launch(particles.locate, self._n, [*self._box, self._bins, inverse, self._positions], outputs)
+        self._launch(particles.locate, self._n, [*self._box, self._bins, inverse, self.positions], outputs)
         wp.utils.radix_sort_pairs(self._bin, self._order, self._n, end_bit=self._bins.bit_length())
         self._launch(particles.find_starts, self._bins // WALK + 1, [self._n, self._bins, self._bin], [self._start])
         rows = [matrix.first, matrix.count, matrix.index, matrix.value, matrix.diagonal]
@@ -158,24 +162,33 @@ class MultigridPreconditioner:
 
     def apply(self, r: wp.array, z: wp.array) -> None:
         """Launch z = z + P V P^T r."""
-        particles, top, sums = self._particles, self._levels[0], self._corner_sums
+        self.restrict(r)
+        self.prolongate(self._cycle(0), z)
+
+    def restrict(self, r: wp.array) -> None:
+        """Launch the sums P^T r of the unknowns over the cells of the finest level, and its first sweep."""
+        particles, top, sums = self._particles, self.levels[0], self._corner_sums
         inputs = [*self._grid, self._start, self._order, self._weight, r]
         self._launch(particles.collect_particles, self._sums, inputs, [sums])
         self._launch(particles.collect_corners, top.size, [*self._grid, top.diagonal, sums], [top.r, top.e])
-        self._launch(particles.spread, self._sums, [*self._grid, self._cycle(0)], [sums])
+
+    def prolongate(self, e: wp.array, z: wp.array) -> None:
+        """Launch z = z + P e, the linear interpolation of values of the finest level's cells to the unknowns."""
+        particles, sums = self._particles, self._corner_sums
+        self._launch(particles.spread, self._sums, [*self._grid, e], [sums])
         inputs = [self._inverse, self._between, self._weight, sums]
         self._launch(particles.interpolate_particles, self._n, inputs, [z])
 
     def _cycle(self, k: int) -> wp.array:
         """Launch the V-cycle from level k on, whose first sweep has been made, and return its solution."""
-        level = self._levels[k]
-        if k == len(self._levels) - 1:
+        level = self.levels[k]
+        if k == len(self.levels) - 1:
             e, spare = level.e, level.spare
             for _ in range(COARSEST_SWEEPS):
                 self._launch(self._cells.sweep, level.size, [*level.rows, level.r, e], [spare])
                 e, spare = spare, e
             return e
-        coarse = self._levels[k + 1]
+        coarse = self.levels[k + 1]
         self._launch(self._cells.find_residual, level.size, [*level.rows, level.r, level.e], [level.spare])
         inputs = [level.dims, coarse.dims, *level.below.inputs, coarse.diagonal, level.spare]
         self._launch(self._cells.collect_cells, coarse.size, inputs, [coarse.r, coarse.e])

@@ -52,6 +52,8 @@ class TwoLevelPreconditioner:
 
     Attributes:
         aggregates: The groups of particles.
+        matrix: The matrix of the coarse level, whose unknowns are the rigid motions of the groups.
+        parts: Parts into which the sums over the groups are cut.
         reuse: When the coarse level is rebuilt. The first solves run without it, until it pays.
 
     Args:
@@ -89,8 +91,8 @@ class TwoLevelPreconditioner:
         start, index = model.start.numpy(), model.index.numpy()
         moves = np.asarray(~held.all(axis=1))
         self.aggregates = aggregate(particles.positions, particles.spacings, moves, start, index, modes=self._modes)
-        self._matrix = CoarseMatrix(self.aggregates, self._modes)
-        groups, matrix = self.aggregates, self._matrix
+        self.matrix = CoarseMatrix(self.aggregates, self._modes)
+        groups, matrix = self.aggregates, self.matrix
         self._colours = int(groups.colours.max(initial=-1)) + 1
         self._parallel = wp.get_device(device).is_cuda if parallel is None else parallel
         pairs = max(LAUNCHES, len(index) / CORES) if self._parallel else len(index)
@@ -108,7 +110,8 @@ class TwoLevelPreconditioner:
         self._first, self._order = integers(groups.first), integers(groups.order)
         parts, of_aggregate = _parts(groups.first, PARTICLES if self._parallel else self._n)
         self._part, self._part_first = integers(parts), integers(of_aggregate)
-        self._wrenches = wp.zeros(len(parts) - 1, dtype=self._motion, device=device)
+        self.parts = len(parts) - 1
+        self._wrenches = wp.zeros(self.parts, dtype=self._motion, device=device)
         self._threads = SHARES if self._parallel else 1
         self._rows = [integers(matrix.first), integers(matrix.block), integers(matrix.size)]
         self._arm = wp.zeros(self._n, dtype=vec64, device=device)
@@ -175,7 +178,7 @@ class TwoLevelPreconditioner:
             return
         self._run("probe", self._probe)
         answers = self._answers.numpy().reshape(self._colours, self._modes, self.aggregates.count, self._modes)
-        self._inverse.assign(self._matrix.inverse(answers, self._shift))
+        self._inverse.assign(self.matrix.inverse(answers, self._shift))
         self._on.fill_(1)
 
     def _probe(self) -> None:
