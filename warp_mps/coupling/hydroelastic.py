@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
@@ -21,7 +22,7 @@ from warp_mps.fluid.fluids import Fluids
 from warp_mps.fluid.time_loop import TimeLoop
 from warp_mps.particles.particles import Particles
 from warp_mps.results.energy import Energy
-from warp_mps.scene import Scene
+from warp_mps.scene import BodyForce, Scene
 from warp_mps.scene.validation.rules import place
 
 # relative residual of the bodies' linear systems: every pass starts close to their solutions
@@ -86,6 +87,7 @@ class Hydroelastic:
         self, scene: Scene, particles: Particles, interval: float, types: NumericTypes, device: Any, graphs: bool
     ) -> Structure:
         dry: dict[str, Any] = {"fluids": (), "probes": (), "measurements": ()}
+        dry["body_forces"] = tuple(_on_bodies(scene))
         options: dict[str, Any] = {"types": types, "device": device, "graphs": graphs}
         if self.implicit:
             alone = replace(scene, walls=(), integrator="implicit", time_step=interval, **dry)
@@ -230,3 +232,12 @@ class Hydroelastic:
     def _distributed(self, values: np.ndarray) -> np.ndarray:
         """Values of the markers distributed evenly to their particles."""
         return self.markers.distribute(values)
+
+
+def _on_bodies(scene: Scene) -> Iterator[BodyForce]:
+    """The body forces of a scene as they act on its elastic bodies alone."""
+    bodies = {body.name for body in scene.bodies}
+    for force in scene.body_forces:
+        names = tuple(name for name in force.acts_on if name in bodies)
+        if names or not force.acts_on:
+            yield replace(force, acts_on=names)

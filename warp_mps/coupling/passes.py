@@ -155,6 +155,8 @@ class FixedPointPasses:
         self.robin.set_rhs()
         fluid.pressure.solve_with(self.robin.multiply, same=same)
         self.robin.find_forces(fluid.state.p)
+        if fluid.body_forces:
+            fluid.body_forces.lean_walls(self._markers.count)
         self.pressure_force.zero_()
         fluid.forces.find_slopes()
         fluid.forces.push_walls(self._markers.count, self._one, self.pressure_force, self._work)

@@ -72,6 +72,7 @@ class CoupledStep:
         replay = self.passes.replay
         replay("set time step", self._fluid.set_time_step)
         end = self.fit_time_step()
+        self._fluid.evaluate_body_forces()
         replay("predict", self.predict)
         self._structure.save()
         if self.mobility.is_due(float(self._fluid.time_step.dt.numpy()[0])):

@@ -6,7 +6,6 @@ the end of a step that begins with the saved state, under the forces `external`.
 
 from __future__ import annotations
 
-import functools
 from typing import Any, Protocol
 
 import numpy as np
@@ -17,6 +16,7 @@ from warp_mps.core.snapshot import Snapshot
 from warp_mps.core.types import NumericTypes
 from warp_mps.coupling.interface_kernels import interface_kernels
 from warp_mps.elastic.explicit.solid import Solid
+from warp_mps.elastic.explicit.step_graphs import take_steps
 from warp_mps.elastic.implicit.solid import ImplicitSolid
 from warp_mps.elastic.system import ElasticSystem
 from warp_mps.particles.particles import Particles
@@ -168,7 +168,7 @@ class SubsteppedStructure:
         # one graph for each power of two makes any number of sub-steps
         while rest:
             if rest & 1:
-                self._replay(f"{block} steps", functools.partial(self._steps, block))
+                take_steps(self.solid, self._replay, block)
             rest, block = rest >> 1, block << 1
 
     def arrays(self) -> dict[str, np.ndarray]:
@@ -185,7 +185,3 @@ class SubsteppedStructure:
         self._snapshot.restore()
         inputs, outputs = [self.external], [self._included, self.solid.state.force]
         wp.launch(self._kernels.replace_force, len(self.external), inputs, outputs, device=self._device)
-
-    def _steps(self, count: int) -> None:
-        for _ in range(count):
-            self.solid.step()

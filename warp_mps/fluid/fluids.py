@@ -64,8 +64,10 @@ class Fluids:
         self._loop = TimeLoop(self.step, find_failure=self.failures.after_step)
 
     def start(self) -> None:
-        """Place the walls, and find the neighbours of the initial state."""
+        """Place the walls, and find the neighbours and body forces of the initial state."""
         self.step.wall_motion.place(self.state.time)
+        if self.step.body_forces:
+            self.step.time_step.longest = min(self.step.time_step.longest, self.step.body_forces.start())
         self.step.renew_neighbours()
 
     def advance(self, time: float) -> int:
@@ -83,7 +85,8 @@ class Fluids:
 
     def arrays(self) -> dict[str, np.ndarray]:
         """Everything that evolves, for a checkpoint."""
-        return self.state.arrays()
+        forces = self.step.body_forces.arrays() if self.step.body_forces else {}
+        return {**self.state.arrays(), **forces}
 
     def assign(self, arrays: dict[str, np.ndarray]) -> None:
         """Continue from arrays that `arrays` gave."""

@@ -65,7 +65,8 @@ class FluidReadings:
             return forces
         change = (self.velocities() - state.u_before)[w:] / state.interval
         kept = 1.0 - state.fluid_in_scene_order(state.lost.numpy()[w:])
-        forces[w:] = (model.mass * kept)[:, None] * (change - model.gravity)
+        given = model.gravity + (self._step.body_forces.mean_acceleration if self._step.body_forces else 0.0)
+        forces[w:] = (model.mass * kept)[:, None] * (change - given)
         return forces
 
     def rotations(self) -> np.ndarray:
@@ -86,7 +87,7 @@ class FluidReadings:
         model, state, w = self._model, self._state, self._model.walls
         x, u = self.positions()[w:], self.velocities()[w:]
         fallen = (x - model.particles.positions[w:]) @ model.gravity
-        work = float(state.work.numpy().sum())
+        work = float(state.work.numpy().sum()) + (self._step.body_forces.work() if self._step.body_forces else 0.0)
         kinetic = 0.5 * model.mass * float(np.sum(u**2))
         # a particle that is wrapped by a period has fallen by all of it
         potential = -model.mass * float(np.sum(fallen) + state.fallen.numpy().sum())

@@ -21,7 +21,7 @@ class FluidState:
     Attributes:
         x:        Positions [m], vec [n].
         u:        Velocities [m/s], vec [n].
-        a:        Accelerations of the walls, 0 for the fluid [m/s^2], vec [n].
+        a:        Accelerations of the walls less the body forces there, 0 for the fluid [m/s^2], vec [n].
         lost:     1 if a particle has left the domain, else 0, int32 [n].
         order:    Particle at each place of the arrays, counted among the fluid's, int32 [m].
         p:        Pressures [Pa], float64 [m].

@@ -3,9 +3,11 @@
 A step predicts velocities and positions without the pressure, solves the pressure Poisson equation for the pressure
 that keeps the density, and corrects both by its gradient (Koshizuka and Oka 1996):
 
-    u* = u + dt (nu lap u + g),  x* = x + dt u*
+    u* = u + dt (nu lap u + g + f),  x* = x + dt u*
     lap p = rho/dt div u* + density error
-    u  = u* - dt grad p / rho,   x = x* + dt (u - u*)
+    u  = u* - dt grad p / rho,       x = x* + dt (u - u*)
+
+with gravity g and the body forces f of the scene, if any.
 
 References:
     Koshizuka, S. and Oka, Y., Nuclear Science and Engineering 123 (1996) 421.
@@ -21,6 +23,7 @@ import warp as wp
 from warp_mps.core.linear.conjugate_gradient import ConjugateGradient
 from warp_mps.core.replay import Replay
 from warp_mps.fluid.adaptive_step import AdaptiveTimeStep
+from warp_mps.fluid.body_forces import make_body_forces
 from warp_mps.fluid.implicit_viscosity import ImplicitViscosity
 from warp_mps.fluid.kernels import fluid_kernels
 from warp_mps.fluid.model import FluidModel
@@ -46,8 +49,10 @@ class FluidStep:
         wall_motion: Prescribed motion of the walls.
         pressure: Pressure Poisson equation.
         forces: Forces of the pressure.
+        body_forces: Forces that depend on place and time, None if there are none.
         implicit_viscosity: What solves for viscous velocities, None if viscosity is explicit.
-        viscous_acceleration: Viscous accelerations, of wall particles the reaction's [m/s^2], vec [n].
+        viscous_acceleration: Viscous accelerations, of wall particles the reaction's; of fluid particles with those by
+            body forces [m/s^2], vec [n].
         mirror_velocity: Velocities that viscosity sees in walls [m/s], vec [w].
         velocity_change: Last change of velocity of fluid particles, by pressure or collisions [m/s], vec [m].
         shift: Shifts of fluid particles [m], vec [m].
@@ -69,6 +74,7 @@ class FluidStep:
         self.state = initial_state(model, self.neighbours)
         self.time_step = AdaptiveTimeStep(model, self.state)
         self.wall_motion = WallMotion(scene, model, self.state)
+        self.body_forces = make_body_forces(scene, model, self.state)
         self.pressure = PressureEquation(model, self.state, self.neighbours)
         self.forces = PressureForces(model, self.state, self.neighbours, self.pressure)
         self.implicit_viscosity = (
@@ -99,6 +105,7 @@ class FluidStep:
 
     def take(self) -> None:
         """Take a step towards the target time, as one graph."""
+        self.evaluate_body_forces()
         self.replay("step", self.launch)
 
     def launch(self) -> None:
@@ -110,7 +117,21 @@ class FluidStep:
         """Choose the time step by the CFL condition."""
         self.time_step.choose()
 
+    def evaluate_body_forces(self) -> None:
+        """Evaluate body forces given as Python functions, on the host; before the phases of a step."""
+        if self.body_forces:
+            self.body_forces.evaluate()
+
     def apply_viscosity(self) -> None:
+        """Find the accelerations of the predictor beside gravity: viscous ones, and those by body forces."""
+        if self.body_forces:
+            self.body_forces.launch()
+        self._find_viscous_accelerations()
+        if self.body_forces:
+            viscous = self.model.viscosity > 0.0
+            self.body_forces.add_to(self.viscous_acceleration, self.time_step.dt, keep=viscous)
+
+    def _find_viscous_accelerations(self) -> None:
         """Find viscous accelerations nu lap u, with implicit viscosity of the velocities at the end of the step."""
         model, state, lists = self.model, self.state, self.neighbours
         if model.viscosity == 0.0:
@@ -119,8 +140,9 @@ class FluidStep:
         inputs = [constants, table, model.no_slip, state.x, u, state.lost]
         model.launch(self._kernels.ghost_velocity, model.walls, inputs, [self.mirror_velocity])
         if self.implicit_viscosity:
-            inputs = [constants, table, model.no_slip, self.time_step.dt, state.x, u, state.lost, self.mirror_velocity]
-            self.implicit_viscosity.solve(constants, inputs, u)
+            pushed = self.body_forces.pushed_velocity(self.time_step.dt) if self.body_forces else u
+            now = [self.time_step.dt, state.x, pushed, state.lost, self.mirror_velocity]
+            self.implicit_viscosity.solve(constants, [constants, table, model.no_slip, *now], u)
             u = self.implicit_viscosity.u
         inputs = [constants, table, model.no_slip, state.x, u, state.lost, self.mirror_velocity]
         model.launch(self._kernels.viscous_acceleration, len(state.x), inputs, [self.viscous_acceleration])
@@ -132,6 +154,8 @@ class FluidStep:
         outputs = [state.x, state.u, state.impulse, state.work]
         model.launch(self._kernels.predict, len(state.x), inputs, outputs)
         self.wall_motion.place(self.time_step.end)
+        if self.body_forces:
+            self.body_forces.lean_walls()
 
     def update_neighbours(self) -> None:
         """Renew the neighbour lists if a particle has moved by half of their margin."""
@@ -169,6 +193,8 @@ class FluidStep:
 
     def advance_clock(self) -> None:
         """End the step: advance the time, and count the step."""
+        if self.body_forces:
+            self.body_forces.end_step(self.time_step.dt)
         self.time_step.advance_clock()
 
     def renew_neighbours(self) -> None:
@@ -211,6 +237,9 @@ class FluidStep:
         state.x.assign(arrays["x"])
         state.stale.assign(arrays["stale"])
         self.wall_motion.place(state.time)
+        if self.body_forces:
+            self.body_forces.assign(arrays)
+            self.body_forces.lean_walls()
 
     @property
     def solvers(self) -> dict[str, ConjugateGradient]:

@@ -40,6 +40,8 @@ class TimeLoop:
         before = state.now
         step.time_step.set_target(time)
         state.impulse.zero_()
+        if step.body_forces:
+            step.body_forces.begin_interval()
         first = int(state.steps.numpy()[0])
         state.u_before, state.interval = state.in_scene_order(state.u), time - before
         step.grow_neighbours()
@@ -53,6 +55,8 @@ class TimeLoop:
                 break
         steps = int(state.steps.numpy()[0])
         state.forces.assign(state.impulse.numpy() / state.interval)
+        if step.body_forces:
+            step.body_forces.end_interval(state.interval)
         if steps // SORT_EVERY > first // SORT_EVERY:
             step.sort_particles()
         return steps - first

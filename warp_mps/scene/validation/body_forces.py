@@ -26,6 +26,5 @@ def check_body_forces(scene: Scene) -> None:
         good = not left_out or len(left_out) == len(fluids) or not fluids
         reason = f"leaves out {', '.join(left_out)}: the fluids are one liquid, name all of them or none"
         require(good, where, "acts_on", reason)
-        require(not scene.fluids, where, "acts_on", "is not for scenes of fluids")
         reason = "is a function of place and time; a static analysis takes loads and gravity only"
         require(scene.analysis != "static", where, "acceleration", reason)

@@ -1,0 +1,105 @@
+"""Body forces on fluid particles: their part of the predictor, of the pressure at walls, and their work.
+
+u* = u + dt (nu lap u + g + f),    p_j - p_i = rho (g + f_j - a_j) . x_ij beyond a wall particle j
+"""
+
+import functools
+from types import SimpleNamespace
+
+import warp as wp
+
+from warp_mps.core.types import NumericTypes
+
+METHOD = "fluid_body_force"
+
+
+@functools.cache
+def body_force_kernels(types: NumericTypes) -> SimpleNamespace:
+    """Kernels `push_velocity`, `add_acceleration`, `lean_walls` and `add_work`."""
+    real, vec = types.real, types.vec
+    vec64 = wp.types.vector(length=types.dimension, dtype=wp.float64)
+
+    @types.kernel(METHOD)
+    def push_velocity(
+        # Model:
+        walls: wp.int32,
+        # State in:
+        dt: wp.array(dtype=wp.float64),
+        force: wp.array(dtype=vec),
+        u: wp.array(dtype=vec),
+        # Out:
+        u_out: wp.array(dtype=vec),
+    ):
+        """Velocities u + dt f of fluid particles, and u of walls [m/s]."""
+        i = wp.tid()
+        u_i = u[i]
+        if i >= walls:
+            u_i += real(dt[0]) * force[i]
+        u_out[i] = u_i
+
+    @types.kernel(METHOD)
+    def add_acceleration(
+        # Model:
+        walls: wp.int32,
+        keep: real,
+        mass: wp.float64,
+        # State in:
+        dt: wp.array(dtype=wp.float64),
+        force: wp.array(dtype=vec),
+        u: wp.array(dtype=vec),
+        lost: wp.array(dtype=wp.int32),
+        # State in and out:
+        acceleration: wp.array(dtype=vec),
+        impulse: wp.array(dtype=vec64),
+        work: wp.array(dtype=wp.float64),
+    ):
+        """Acceleration `keep` a + f of a fluid particle, its impulse m dt f, and half of the work, dt/2 m f . u."""
+        k = wp.tid()
+        i = k + walls
+        acceleration[i] = keep * acceleration[i] + force[i]
+        if lost[i] == 0:
+            given = (mass * dt[0]) * vec64(force[i])
+            impulse[k] = impulse[k] + given
+            work[k] = work[k] + wp.float64(0.5) * wp.dot(given, vec64(u[i]))
+
+    @types.kernel(METHOD)
+    def lean_walls(
+        # Model:
+        moving: wp.array(dtype=wp.int32),
+        # State in:
+        force: wp.array(dtype=vec),
+        # State in and out:
+        a: wp.array(dtype=vec),
+    ):
+        """Subtract the body force from the acceleration of a wall particle, which stands for g - a in all relations.
+
+        Where a wall is at rest, the acceleration is 0 without the force.
+        """
+        j = wp.tid()
+        own = vec()
+        if moving[j] == 1:
+            own = a[j]
+        a[j] = own - force[j]
+
+    @types.kernel(METHOD)
+    def add_work(
+        # Model:
+        walls: wp.int32,
+        mass: wp.float64,
+        # State in:
+        dt: wp.array(dtype=wp.float64),
+        force: wp.array(dtype=vec),
+        u: wp.array(dtype=vec),
+        lost: wp.array(dtype=wp.int32),
+        # State in and out:
+        work: wp.array(dtype=wp.float64),
+    ):
+        """The other half of the work, dt/2 m f . u with the velocity at the end of the step [J]."""
+        k = wp.tid()
+        i = k + walls
+        if lost[i] == 0:
+            work[k] = work[k] + wp.float64(0.5) * mass * dt[0] * wp.dot(vec64(force[i]), vec64(u[i]))
+
+    return SimpleNamespace(
+        push_velocity=push_velocity, add_acceleration=add_acceleration, lean_walls=lean_walls, add_work=add_work
+    )
