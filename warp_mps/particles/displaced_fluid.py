@@ -1,8 +1,14 @@
 """Fluid that bodies and walls displace: the particles of a fluid that give way to solids at the start.
 
 A fluid may be drawn through solids, as one box about a hull or across a tank with a baffle. It then gives way to each
-solid that it overlaps: particles inside the solid's shape are left out, and so are those nearer to one of its particles
-than the mean of the two spacings, the distance at which rows of fluid and solid meet across a common face.
+solid that it overlaps: particles inside the solid's shape are left out, and so are those that crowd one of its
+particles, nearer than `NEAR` of the mean of the two spacings.
+
+Rows of fluid and solid that meet across a common face are a mean spacing apart. Where the lattices do not fit, a fluid
+particle in the middle of a cell of the solid's lattice is sqrt(1/2) of a spacing (2-D) or sqrt(3/4) (3-D) away from its
+corners, and must stay: without it the fluid loses up to a third more than the volume of the hull, and the hull falls
+into the gap and slams. Balls and V-shaped hulls afloat start within 1.5 of the hydrostatic pressure with 0.7, and
+with up to 2.4 of it with 1.
 
 A fluid that merely touches a solid is left as it is drawn, even where its lattice does not fit and its outermost row
 lies nearer than that: leaving a whole row out would lose more of its volume than the fit does.
@@ -19,6 +25,9 @@ from warp_mps.particles.overlaps import OVERLAP, SURFACE, bounds_meet
 from warp_mps.scene import Body, Fluid, Wall
 from warp_mps.scene.validation.rules import kind_of, place
 from warp_mps.shapes import Points, contains
+
+# in mean particle spacings: fluid particles nearer to a solid's particle give way
+NEAR = 0.7
 
 Solid = tuple[Body | Wall, np.ndarray]
 
@@ -65,6 +74,5 @@ def _displaced(fluid: Fluid, positions: np.ndarray, solid: Body | Wall, others: 
     inside = contains(solid.shape, positions[near], -SURFACE * mean_spacing)
     overlap = inside.any() or contains(fluid.shape, others, -SURFACE * mean_spacing).any()
     if overlap or contains(Points(others), positions[near], OVERLAP * mean_spacing).any():
-        # particles across a common face are a mean spacing apart but for rounding
-        result[near] = inside | contains(Points(others), positions[near], (1.0 - SURFACE) * mean_spacing)
+        result[near] = inside | contains(Points(others), positions[near], NEAR * mean_spacing)
     return result

@@ -112,8 +112,8 @@ class Fluid:
     """A body of liquid, filled with particles on a regular lattice.
 
     It may be drawn through bodies and walls, and leaves out what they take up: particles inside a solid, and particles
-    nearer to one of the solid's particles than a spacing (`warp_mps.particles.displaced_fluid`). A hollow hull is a
-    solid only where its shape is: subtract its inside from the fluid, ``shape=sea - inside``, to keep it dry.
+    that crowd the solid's (`warp_mps.particles.displaced_fluid`). A hollow hull is a solid only where its shape is:
+    subtract its inside from the fluid, ``shape=sea - inside``, to keep it dry.
     """
 
     name: str
