@@ -118,7 +118,7 @@ def no_file(text: str, folder: Path, random: Random) -> Path:
 
 
 def deep(text: str, folder: Path, random: Random) -> Path:
-    """Prims, lists, dictionaries or brackets in each other, far too deep."""
+    """Prims, lists, dictionaries or nested brackets, far too deep."""
     n = pick(random, (100, 3000, 100_000, 1_000_000))
     prim, value, dictionary = (opened * n + closed * n for opened, closed in NESTED)
     bodies = (

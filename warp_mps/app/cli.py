@@ -156,7 +156,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         with first_interrupt_only():
             return parse(COMMANDS, arguments)()
     except InputError as error:
-        from warp_mps.usd.case.attributes import stage_error
+        from warp_mps.usd.case.stage_errors import stage_error
 
         # name the attribute of the stage, not the field of the scene
         return _fail(str(stage_error(error)), 2)

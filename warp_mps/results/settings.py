@@ -16,7 +16,7 @@ from warp_mps.scene.body_force import function_identity
 from warp_mps.scene.fields import units_of
 from warp_mps.shapes import Box, Shape
 
-# said elsewhere, or of no use to a reader of results
+# given elsewhere, or of no use in results
 LEFT_OUT = {"path", "name", "measurements"}
 # units of the fields of shapes
 _SHAPE_UNITS = dict.fromkeys(("size", "center", "radius", "height", "inner_radius", "points", "positions"), "m")
@@ -30,7 +30,7 @@ def scene_settings(scene: Scene) -> dict[str, Any]:
 
     Returns:
         The scene's own fields under names such as ``duration [s]``, and its bodies, materials and so on as
-        dictionaries by their names; what is not given, and what a method that is not used would take, is left out.
+        dictionaries by their names. Settings that are not given, or of a method that is not used, are left out.
     """
     unused = {
         ("elasticity", "contact"): not scene.bodies,
@@ -76,7 +76,7 @@ def _plain(value: Any, dimension: int) -> Any:
     return function_identity(value) if callable(value) else value
 
 
-# classes that the name of their field says already
+# classes that need no mention, since the name of their field implies them
 _OBVIOUS = {
     "Body",
     "BodyForce",

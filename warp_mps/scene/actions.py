@@ -1,4 +1,4 @@
-"""What acts on elastic bodies from outside: supports and loads."""
+"""Supports and loads of elastic bodies."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is filled with particles: elastic bodies and their parts, walls, fluids."""
+"""Bodies, walls and fluids: the items of a scene that are filled with particles."""
 
 from __future__ import annotations
 

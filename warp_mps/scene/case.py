@@ -110,5 +110,5 @@ class Scene:
 
     @property
     def filled(self) -> tuple[Body | Wall | Fluid, ...]:
-        """What is filled with particles: bodies, then walls, then fluids."""
+        """The items that are filled with particles: bodies, then walls, then fluids."""
         return (*self.bodies, *self.walls, *self.fluids)

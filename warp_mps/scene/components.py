@@ -10,7 +10,7 @@ _PLACES = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
 
 
 def tensor_places(dimension: int) -> tuple[tuple[int, int], ...]:
-    """Rows and columns of a symmetric tensor that are recorded: in 2-D no shear across the plane, which is none."""
+    """Rows and columns of a symmetric tensor that are recorded: in 2-D without shears across the plane, which are 0."""
     return _PLACES[:4] if dimension == 2 else _PLACES
 
 
@@ -22,7 +22,7 @@ def component_names(quantity: str, axes: str) -> tuple[str, ...]:
         axes: The stage's axes along which the scene's axes lie, such as ``xz``.
 
     Returns:
-        The axes of a vector, pairs of axes of a tensor, and nothing where there is but one number.
+        The axes of a vector, pairs of axes of a tensor, and nothing for a scalar.
     """
     if quantity in SCALARS or (quantity in AXIAL and len(axes) == 2):
         return ()

@@ -1,4 +1,4 @@
-"""What is recorded of a run, and the numbers that are drawn from it."""
+"""Probes, and the measurements that are drawn from their histories."""
 
 from __future__ import annotations
 

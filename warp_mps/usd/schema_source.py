@@ -10,7 +10,8 @@ import re
 from pathlib import Path
 
 from warp_mps.usd import SCHEMA
-from warp_mps.usd.case.attributes import CLASSES, ROLE, ROLES, TABLE, StageAttribute
+from warp_mps.usd.case.attributes import CLASSES, ROLE, ROLES, TABLE
+from warp_mps.usd.case.stage_attribute import StageAttribute
 
 PLUGIN = "warpMps"
 # where the tables of attributes stand, in a copy of the source

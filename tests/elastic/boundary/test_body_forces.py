@@ -205,5 +205,5 @@ def test_statics_are_refused() -> None:
 
 def test_names_must_be_those_of_bodies() -> None:
     force = BodyForce(name="trap", acceleration=trap, acts_on=("nothing",))
-    with pytest.raises(InputError, match=r"body force 'trap' acts_on: names no body or fluid: 'nothing'"):
+    with pytest.raises(InputError, match=r"body force 'trap' acts_on: is 'nothing', must name a body or fluid"):
         replace(trapped(), body_forces=(force,))

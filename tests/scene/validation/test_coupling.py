@@ -34,7 +34,7 @@ def spaced(spacing: float) -> Body:
 
 BROKEN: list[tuple[str, str, str, Callable[[], object]]] = [
     ("/World/block", "spacing", "must be that of fluid 'water', ", lambda: scene(spaced(L0 / 1.5))),
-    ("/World/block", "spacing", "or a whole part of it", lambda: scene(spaced(2.0 * L0))),
+    ("/World/block", "spacing", "or a whole fraction of it", lambda: scene(spaced(2.0 * L0))),
     ("/World/block", "spacing", "is 0.0199 m", lambda: scene(spaced(0.0199))),
     (
         "/World",
@@ -51,10 +51,10 @@ BROKEN: list[tuple[str, str, str, Callable[[], object]]] = [
     (
         "/World/soft",
         "retardation_time",
-        "is not known to implicit steps",
+        "must be 0 with implicit steps",
         lambda: scene(lump([3, 3], [3, 3], material=VISCOUS), **IMPLICIT),
     ),
-    ("/World", "analysis", "is for elastic bodies", lambda: scene(analysis="static", contact=ALONE)),
+    ("/World", "analysis", "requires a scene without fluids", lambda: scene(analysis="static", contact=ALONE)),
     (
         "/World/probe",
         "quantity",
@@ -104,7 +104,7 @@ def test_thin_bodies_are_remarked_upon() -> None:
     assert "is one particle thick: it stretches, but has no stiffness in bending" in alone
     (few,) = said(L0, 2)
     assert "is 1 spacing of the water thick" in few
-    assert "3 keep it apart" in few
+    assert "3 separate them" in few
     assert len(said(2 * L0, 1)) == 1
     assert said(3 * L0, 1) == []
 
@@ -112,10 +112,10 @@ def test_thin_bodies_are_remarked_upon() -> None:
 def test_a_body_that_is_no_whole_number_of_markers_thick() -> None:
     def said(cells: float, ratio: int, **fields: Any) -> list[str]:
         body = Body(name="plate", shape=Box((4 * L0, cells * L0)), material=SOFT, spacing=L0 / ratio, **fields)
-        return [line for line in remarks(pool(body)) if "left over" in line]
+        return [line for line in remarks(pool(body)) if "a remainder pushes it" in line]
 
     (line,) = said(3.5, 2)
-    assert "body 'plate': is 8 x 7 particles, should be a whole number of 2 each way" in line
+    assert "body 'plate': is 8 x 7 particles, should be a multiple of 2 along each axis" in line
     assert said(3.5, 2, node_axes=(1,)) == []
     assert said(4, 2) == said(4, 1) == []
     assert len(said(4, 2, node_axes=(0,))) == 1
@@ -142,7 +142,7 @@ def test_water_that_fills_a_shell() -> None:
 
 
 def test_bodies_that_nothing_holds_are_remarked_upon() -> None:
-    said = "no contact and no supports: bodies go through walls and each other; contact 'bodies' parts them"
+    said = "no contact and no supports: bodies go through walls and each other; use contact 'bodies'"
     assert said in remarks(scene(contact=ALONE))
     assert said not in remarks(scene())
     assert said not in remarks(hung(contact=ALONE))

@@ -53,7 +53,7 @@ def probe(**fields: Any) -> dict[str, Any]:
 
 
 BROKEN: list[tuple[str, str, str, dict[str, Any]]] = [
-    ("/World", "bodies", "no body and no fluid", {"fluids": ()}),
+    ("/World", "bodies", "needs a body or a fluid", {"fluids": ()}),
     ("/World/water", "liquid.density", "above 0", fluid(liquid=Liquid(density=0.0))),
     ("/World/oil", "density", "above 0", fluid(liquid=Liquid(density=-1.0, path="/World/oil"))),
     ("/World/oil", "viscosity", "at least 0", fluid(liquid=Liquid(viscosity=-1e-6, path="/World/oil"))),
@@ -63,9 +63,9 @@ BROKEN: list[tuple[str, str, str, dict[str, Any]]] = [
     ("/World/water", "velocity", "2 finite numbers", fluid(velocity=(1.0, 0.0, 0.0))),
     ("/World/water", "angular_velocity", "1 finite numbers", fluid(angular_velocity=(0.0, 0.0, 1.0))),
     ("/World/water", "velocity_field.rate", "'stagnation' needs it", fluid(velocity_field=replace(STRAIN, rate=None))),
-    ("/World/water", "velocity_field.length", "it has rate", fluid(velocity_field=replace(STRAIN, length=1.0))),
-    ("/World/water", "velocity_field.mode", "is not of", fluid(velocity_field=replace(STRAIN, mode=2))),
-    ("/World/water", "velocity_field.depth", "is not of", fluid(velocity_field=replace(GREEN, depth=1.0))),
+    ("/World/water", "velocity_field.length", "it takes rate", fluid(velocity_field=replace(STRAIN, length=1.0))),
+    ("/World/water", "velocity_field.mode", "is not used by", fluid(velocity_field=replace(STRAIN, mode=2))),
+    ("/World/water", "velocity_field.depth", "is not used by", fluid(velocity_field=replace(GREEN, depth=1.0))),
     ("/World/water", "velocity_field.length", "above 0", fluid(velocity_field=replace(GREEN, length=0.0))),
     (
         "/World/water",
@@ -103,7 +103,7 @@ BROKEN: list[tuple[str, str, str, dict[str, Any]]] = [
     ("/World", "flow.domain.low", "2 finite numbers", flow(domain=((0.0,), (1.0, 1.0)))),
     ("/World", "flow.domain.high", "above the lowest corner", flow(domain=((0.0, 0.0), (1.0, 0.0)))),
     ("/World", "flow.periodic", "needs a domain", flow(periodic=(0,))),
-    ("/World", "integrator", "is for elastic bodies", {"integrator": "implicit", "time_step": 1e-3}),
+    ("/World", "integrator", "requires elastic bodies", {"integrator": "implicit", "time_step": 1e-3}),
     ("/World", "flow.periodic", "different axes", flow(domain=BOX, periodic=(2,))),
     ("/World", "flow.periodic", "different axes", flow(domain=BOX, periodic=(1, 1))),
     (
@@ -115,31 +115,31 @@ BROKEN: list[tuple[str, str, str, dict[str, Any]]] = [
     (
         "/World",
         "flow.periodic",
-        "elastic bodies do not repeat",
+        "must be empty in a scene with elastic bodies",
         {"bodies": (block(2),), "fluids": (), **flow(domain=BOX, periodic=(0,))},
     ),
     (
         "/World/grip",
         "region",
-        "a support acts on elastic bodies",
+        "a support requires an elastic body",
         {"supports": (Support(name="grip", region=REGION, path="/World/grip"),)},
     ),
-    ("load 'push'", "region", "a load acts on", {"loads": (Load(name="push", region=REGION, force=(1.0, 0.0)),)}),
+    ("load 'push'", "region", "a load requires", {"loads": (Load(name="push", region=REGION, force=(1.0, 0.0)),)}),
     ("/World/tip", "quantity", "of: pressure, velocity, elevation", probe(quantity="displacement", **POINT)),
     ("/World/tip", "quantity", "must be one of: pressure", probe(quantity="elevation", region=REGION)),
     ("/World/tip", "quantity", "must be one of: position", probe(quantity="contact_force", body="water")),
     ("/World/tip", "quantity", "must be one of: position", probe(quantity="volume", body="floor")),
-    ("/World/tip", "quantity", "needs gravity", {**probe(quantity="elevation", **POINT), "gravity": ()}),
+    ("/World/tip", "quantity", "requires gravity", {**probe(quantity="elevation", **POINT), "gravity": ()}),
     ("/World/tip", "about", "is missing", probe(quantity="contact_moment", body="floor")),
     (
         "/World/tip",
         "moves_with",
-        "names no wall: 'water'",
+        "is 'water', must name a wall",
         probe(quantity="pressure", moves_with="water", **POINT),
     ),
     ("/World/tip", "moves_with", "is for a point", probe(quantity="pressure", moves_with="floor", region=REGION)),
-    ("/World", "damping", "is of elastic bodies", {"damping": 0.1}),
-    ("/World", "outputs", "are of elastic bodies", {"outputs": ("stress",)}),
+    ("/World", "damping", "requires an elastic body", {"damping": 0.1}),
+    ("/World", "outputs", "require an elastic body", {"outputs": ("stress",)}),
 ]
 
 
@@ -177,7 +177,7 @@ def test_what_a_fluid_lacks_is_remarked() -> None:
     thin = replace(wall, shape=Box((1.0, 2.0 * wall.spacing), (0.0, -1.0)), path="/World/Shelf")
     (line,) = remarks(scene(walls=(thin,)))
     assert line.startswith("/World/Shelf: is 2 particles thick")
-    assert "3 keep it apart" in line
+    assert "3 separate them" in line
     assert remarks(Scene(bodies=(block(2),), duration=1.0)) == []
     assert remarks(scene(duration=0.02, frame_rate=0.5))[0].startswith("ends at 2 s: ")
     assert remarks(scene(duration=0.02, frame_rate=0.5, sample_rate=50.0)) == []

@@ -51,7 +51,7 @@ def test_layers_outside_the_folder_are_refused_unless_they_are_allowed(home: Pat
     path = composed(home, field, asset)
     error = refusal(path)
     assert (error.where, error.attribute) == ((str(path) if field == "subLayers" else "/Beam"), field)
-    assert error.reason == f"leads to @{asset}@, outside the folder of the stage; allow it by --allow-external"
+    assert error.reason == f"refers to @{asset}@, outside the folder of the stage; allow it by --allow-external"
     assert read_stage(path, allow_external=True).bodies[0].name == "Beam"
 
 
@@ -88,7 +88,7 @@ def test_layers_of_layers_lie_in_the_folder_of_the_stage(home: Path) -> None:
 def test_what_is_no_path_of_a_file_is_never_followed(home: Path, asset: str) -> None:
     path = composed(home, "references", asset)
     assert (refusal(path).where, refusal(path).attribute) == ("/Beam", "references")
-    assert refusal(path, allow_external=True).reason.endswith("which is no path of a file")
+    assert refusal(path, allow_external=True).reason.endswith("which is not the path of a file")
 
 
 def test_references_in_a_variant_that_is_not_chosen_count_as_well(home: Path) -> None:
@@ -161,8 +161,8 @@ def test_packages_are_read_and_referred_to(home: Path) -> None:
         (b"", "it is empty"),
         (b"#usda 1.0\n# a comment\n# \xe9\xe8\n", "line 3 is not UTF-8"),
         (b'#usda 1.0\ndef "A"\n{\n    double x = "hi"\n}\n', "line 4"),
-        (b"#usda 1.0\n" + b'def "a" {\n' * 600 + b"}\n" * 600, "more than 500 brackets in each other"),
-        (b"#usda 1.0\n" + b"(" * 10**6, "more than 500 brackets in each other"),
+        (b"#usda 1.0\n" + b'def "a" {\n' * 600 + b"}\n" * 600, "more than 500 nested brackets"),
+        (b"#usda 1.0\n" + b"(" * 10**6, "more than 500 nested brackets"),
         (b'#usda 1.0\ndef "' + b"a" * 10**6 + b'" {', "is not a USD stage"),
     ],
 )
@@ -195,7 +195,7 @@ def test_the_command_line_has_an_option_for_it(home: Path, capsys: pytest.Captur
         assert main([command, path]) == 2
         captured = capsys.readouterr()
         assert captured.err.count("\n") <= 2
-        assert "/Beam references: leads to @../case.usda@, outside the folder of the stage" in captured.err
+        assert "/Beam references: refers to @../case.usda@, outside the folder of the stage" in captured.err
     assert main(["check", path, "--allow-external"]) == 0
 
 

@@ -11,8 +11,9 @@ import pytest
 from tests.usd.case.stages import write
 from warp_mps.scene import HarmonicMotion, TableMotion
 from warp_mps.shapes import Box, Mesh, Points, contains, fill
-from warp_mps.usd.case.attributes import TABLE, stage_name
+from warp_mps.usd.case.attributes import TABLE
 from warp_mps.usd.case.read import read_stage
+from warp_mps.usd.case.stage_errors import stage_name
 
 
 def test_smallest_stage(tmp_path: Path) -> None:

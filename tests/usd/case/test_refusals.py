@@ -160,7 +160,7 @@ def test_open_meshes(tmp_path: Path) -> None:
     [
         ("#usda 1.0\n", "no PhysicsScene prim"),
         ('#usda 1.0\ndef PhysicsScene "A" {}\ndef PhysicsScene "B" {}\n', "more than one PhysicsScene prim: /A, /B"),
-        ('#usda 1.0\ndef PhysicsScene "A"\n{\n    double mps:duration = 1\n}\n', "there is no body"),
+        ('#usda 1.0\ndef PhysicsScene "A"\n{\n    double mps:duration = 1\n}\n', "needs a body or a fluid"),
         ('#usda 1.0\ndef "A" { double x = "hi"', "is not a USD stage"),
         ("nothing of the kind", "is not a USD stage"),
         ('#usda 1.0\ndef "A" ( references = @nowhere.usda@ ) {}\n', "nowhere.usda"),

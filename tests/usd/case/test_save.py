@@ -212,7 +212,7 @@ def test_refusals(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(InputError, match="cannot be written"):
         save_stage(scene, tmp_path / "file" / "rich.usda")
     probe = Probe(name="first mode", point=(0.0, 0.0))
-    with pytest.raises(InputError, match="'first mode' is no prim name"):
+    with pytest.raises(InputError, match="'first mode' is not a valid prim name"):
         save_stage(dataclasses.replace(scene, probes=(*scene.probes, probe)), tmp_path / "rich.usda")
     assert capfd.readouterr() == ("", "")
 

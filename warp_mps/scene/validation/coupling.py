@@ -23,14 +23,14 @@ def check_coupling(scene: Scene) -> None:
     if not (scene.bodies and scene.fluids):
         return
     clipped = scene.flow.negative_pressure == "clipped"
-    reason = f"is {scene.flow.negative_pressure!r}, must be 'clipped' beside elastic bodies: water does not pull"
+    reason = f"is {scene.flow.negative_pressure!r}, must be 'clipped' in a scene with elastic bodies"
     require(clipped, scene.path, "flow.negative_pressure", reason)
     fluid = scene.fluids[0]
     for body in scene.bodies:
         ratio = fluid.spacing / body.spacing
         good = round(ratio) >= 1 and abs(ratio - round(ratio)) <= SAME * ratio
         other = f"{place(fluid, 'fluid')}, {fluid.spacing:g} m"
-        reason = f"is {body.spacing:g} m, must be that of {other}, or a whole part of it"
+        reason = f"is {body.spacing:g} m, must be that of {other}, or a whole fraction of it"
         require(good, place(body, "body"), "spacing", reason)
 
 
@@ -38,7 +38,7 @@ def remarks_on_bodies(scene: Scene) -> list[str]:
     """What is worth knowing of the bodies in the fluids of a scene, a line each."""
     lines = [line for body in scene.bodies for line in (*_thin(body, scene), *_uneven(body, scene))]
     if scene.bodies and scene.contact.between == "none" and not scene.supports:
-        lines.append("no contact and no supports: bodies go through walls and each other; contact 'bodies' parts them")
+        lines.append("no contact and no supports: bodies go through walls and each other; use contact 'bodies'")
     return lines
 
 
@@ -55,7 +55,7 @@ def _thin(body: Body, scene: Scene) -> list[str]:
     if rows >= least:
         return []
     thick = f"is {rows} spacing{'s' if rows > 1 else ''} of the water thick"
-    return [f"{where}: {thick}: in impacts, water on one side feels that on the other; {least} keep it apart"]
+    return [f"{where}: {thick}: in impacts, water on one side interacts with that on the other; {least} separate them"]
 
 
 def _uneven(body: Body, scene: Scene) -> list[str]:
@@ -70,5 +70,7 @@ def _uneven(body: Body, scene: Scene) -> list[str]:
     if all(count % ratio == 0 for count in rows):
         return []
     shown = " x ".join(f"{count}" for count in rows)
-    reason = f"is {shown} particles, should be a whole number of {ratio} each way: the water sees so many as one, and"
-    return [f"{place(body, 'body')}: {reason} feels those left over as a push at the start"]
+    reason = (
+        f"is {shown} particles, should be a multiple of {ratio} along each axis: the water groups so many into one, and"
+    )
+    return [f"{place(body, 'body')}: {reason} a remainder pushes it at the start"]

@@ -70,7 +70,8 @@ def _thin(wall: Wall, scene: Scene) -> list[str]:
     rows = max(1, round(min(wall.shape.size[: scene.dimension]) / wall.spacing))
     if rows >= least:
         return []
-    reason = f"is {rows} particles thick: in impacts, water on one side feels that on the other; {least} keep it apart"
+    effect = f"in impacts, water on one side interacts with that on the other; {least} separate them"
+    reason = f"is {rows} particles thick: {effect}"
     return [f"{place(wall, 'wall')}: {reason}"]
 
 
@@ -102,7 +103,7 @@ def check_probed_fluid(probe: Probe, scene: Scene, where: str) -> None:
         InputError: Something is not allowed.
     """
     if probe.quantity == "elevation":
-        require(any(scene.gravity), where, "quantity", "is 'elevation', which needs gravity to tell what is up")
+        require(any(scene.gravity), where, "quantity", "is 'elevation', which requires gravity")
     if probe.moves_with is None:
         return
     good = is_in_fluid(probe, scene) and probe.point is not None
@@ -125,7 +126,9 @@ def check_velocity_field(field: VelocityField, scene: Scene, where: str) -> None
         if name in needed:
             require(given, where, at, f"is missing: the velocity field {field.kind!r} needs it")
         own = ", ".join(part for part in needed if part not in ("axis", "origin"))
-        require(not given or name in needed, where, at, f"is not of the velocity field {field.kind!r}; it has {own}")
+        require(
+            not given or name in needed, where, at, f"is not used by the velocity field {field.kind!r}; it takes {own}"
+        )
     for name in ("axis", "origin", *(["amplitude"] if "amplitude" in needed else [])):
         vector(getattr(field, name), scene.dimension, where, f"velocity_field.{name}")
     require(np.linalg.norm(field.axis) > 0.0, where, "velocity_field.axis", "has no length")
@@ -136,7 +139,7 @@ def _pattern(field: VelocityField, where: str) -> None:
     """Modes of bodies count from 1; the flows have none, and those with an amplitude have it across the axis."""
     if field.kind in MODAL_FIELDS:
         return
-    require(field.mode == 1, where, "velocity_field.mode", f"is not of the velocity field {field.kind!r}")
+    require(field.mode == 1, where, "velocity_field.mode", f"is not used by the velocity field {field.kind!r}")
     if field.amplitude is not None:
         amplitude, axis = np.asarray(field.amplitude, float), np.asarray(field.axis, float)
         product = float(np.linalg.norm(amplitude) * np.linalg.norm(axis))
@@ -160,7 +163,7 @@ def _periodic(scene: Scene) -> None:
     flow, where = scene.flow, scene.path
     good = all(axis in range(scene.dimension) for axis in flow.periodic) and len({*flow.periodic}) == len(flow.periodic)
     require(good, where, "flow.periodic", f"must be different axes of the scene's {scene.dimension} dimensions")
-    require(not scene.bodies, where, "flow.periodic", "is for fluids; elastic bodies do not repeat themselves")
+    require(not scene.bodies, where, "flow.periodic", "must be empty in a scene with elastic bodies")
     if flow.domain is None:
         require(False, where, "flow.periodic", "needs a domain: give its lowest and highest corner")
         return
@@ -199,6 +202,6 @@ def _no_bodies(scene: Scene) -> None:
         return
     for kind, items in (("support", scene.supports), ("load", scene.loads)):
         for item in items:
-            require(False, place(item, kind), "region", f"a {kind} acts on elastic bodies, and there is none")
-    require(scene.damping == 0.0, scene.path, "damping", "is of elastic bodies, and there is none")
-    require(not scene.outputs, scene.path, "outputs", "are of elastic bodies, and there is none")
+            require(False, place(item, kind), "region", f"a {kind} requires an elastic body")
+    require(scene.damping == 0.0, scene.path, "damping", "requires an elastic body")
+    require(not scene.outputs, scene.path, "outputs", "require an elastic body")

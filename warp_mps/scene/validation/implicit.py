@@ -20,22 +20,22 @@ def check_implicit(scene: Scene) -> None:
     """
     where = scene.path
     if scene.analysis == "static":
-        require(not scene.fluids, where, "analysis", "is 'static', which is for elastic bodies: fluids flow")
+        require(not scene.fluids, where, "analysis", "is 'static', which requires a scene without fluids")
         _at_rest(scene)
     if not scene.implicit:
         return
-    require(bool(scene.bodies), where, "integrator", "is 'implicit', which is for elastic bodies")
+    require(bool(scene.bodies), where, "integrator", "is 'implicit', which requires elastic bodies")
     word, attribute = (scene.analysis, "analysis") if scene.analysis == "static" else (scene.integrator, "integrator")
     model = scene.elasticity.model
     reason = f"is {model!r}, which has no tangent; {word!r} needs hamiltonian"
     require(model == "hamiltonian", where, "elasticity.model", reason)
     if not scene.fluids:  # which have walls of their own
-        require(not scene.walls, where, attribute, f"is {word!r}, which knows no walls: use supports")
+        require(not scene.walls, where, attribute, f"is {word!r}, which cannot be used with walls: use supports")
     require(
         not touches(scene),
         where,
         "contact.between",
-        f"is {scene.contact.between!r}; {word!r} knows no contact: it must be 'none'",
+        f"is {scene.contact.between!r}, must be 'none': {word!r} cannot be used with contact",
     )
     if scene.analysis == "dynamic":
         _in_steps(scene)
@@ -48,7 +48,7 @@ def touches(scene: Scene) -> bool:
 
 
 def _at_rest(scene: Scene) -> None:
-    """Nothing moves, and what a load is does not depend on time."""
+    """In a static analysis nothing moves, and loads do not depend on time."""
     for body in scene.bodies:
         for name in ("velocity", "angular_velocity", "velocity_field"):
             reason = "is given, but nothing moves in a static analysis"
@@ -64,11 +64,11 @@ def _at_rest(scene: Scene) -> None:
 
 def _in_steps(scene: Scene) -> None:
     if not scene.fluids:  # whose steps are those of the bodies
-        reason = "is missing: implicit steps can have any length, so it must be given"
+        reason = "is missing: implicit steps need a given time step"
         require(scene.time_step is not None, scene.path, "time_step", reason)
     for body in scene.bodies:
         for material in body.materials:
             own = material.path != "material"
             where, prefix = (material.path, "") if own else (place(body, "body"), "material.")
-            reason = "is not known to implicit steps, which damp by theta"
+            reason = "must be 0 with implicit steps, which damp by theta"
             require(material.retardation_time == 0.0, where, f"{prefix}retardation_time", reason)

@@ -53,13 +53,17 @@ def check_measurement(scene: Scene, measurement: Measurement) -> None:
     choice(measurement.unit, ("", *MEASURE_UNITS.get(measurement.measure, (own,))), where, "unit")
     names = component_names(known[measurement.probe].quantity, scene.frame.axes)
     good = 0 <= measurement.component < max(len(names), 1)
-    reason = f"must be one of the {len(names)} components of its probe" if names else "must be 0: its probe has but one"
+    reason = (
+        f"must be one of the {len(names)} components of its probe"
+        if names
+        else "must be 0: its probe has one component"
+    )
     require(good, where, "component", reason)
     end = scene.duration if measurement.end is None else measurement.end
     good = 0.0 <= measurement.start < end
     require(good, where, "start", f"is {measurement.start:g} s, must lie before the end, {end:g} s")
     needed = measurement.measure in AT_MEASURES
-    require(needed or measurement.at is None, where, "at", f"is of the measures {' and '.join(AT_MEASURES)}")
+    require(needed or measurement.at is None, where, "at", f"is only for the measures {' and '.join(AT_MEASURES)}")
     if needed:
         reason = f"is None, must be a number: {measurement.measure} needs it"
         require(measurement.at is not None, where, "at", reason)
@@ -72,7 +76,7 @@ def check_measurement(scene: Scene, measurement: Measurement) -> None:
 
 
 def is_past(measurement: Measurement, end: float) -> bool:
-    """Whether a measurement looks at what lies after a time [s]."""
+    """Whether a measurement uses the history after a time [s]."""
     late = measurement.measure == "value_at" and measurement.at is not None and measurement.at > end
     return late or measurement.start >= end
 

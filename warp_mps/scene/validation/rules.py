@@ -1,4 +1,4 @@
-"""What numbers, words and vectors of a scene are asked to be; each refusal is one line with its place and field."""
+"""Checks of numbers, words and vectors; each raises an error of one line with its place and field."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from warp_mps.scene import Body, BodyForce, Fluid, Load, Measurement, Part, Probe, Support, Wall
 
 
-# of any number, in SI units: beyond it, and below its inverse, products of a few numbers are no numbers any more
+# of any number, in SI units: beyond it, and below its inverse, products of a few numbers overflow or underflow
 LARGEST = 1e60
 
 # relative difference up to which spacings, or multiples of them, are the same
@@ -27,12 +27,12 @@ def place(item: Body | Part | Wall | Fluid | Support | Load | BodyForce | Probe 
 
 
 def kind_of(item: Body | Wall | Fluid) -> str:
-    """How an error names what is filled with particles: ``body``, ``wall`` or ``fluid``."""
+    """How an error names a body, wall or fluid: ``body``, ``wall`` or ``fluid``."""
     return type(item).__name__.lower()
 
 
 def require(good: bool | np.bool_, where: str, attribute: str, reason: str) -> None:
-    """Refuse what is not good: a line with the place, the attribute and the reason.
+    """Raise an error with the place, the attribute and the reason unless a condition holds.
 
     Raises:
         InputError: It is not.
@@ -66,7 +66,7 @@ def in_range(value: float, low: float, high: float, where: str, attribute: str) 
 
 
 def choice(value: str, choices: Sequence[str], where: str, attribute: str) -> None:
-    """Refuse a word that is none of the choices.
+    """Refuse a word that is not one of the choices.
 
     Raises:
         InputError: It is.
@@ -75,17 +75,17 @@ def choice(value: str, choices: Sequence[str], where: str, attribute: str) -> No
 
 
 def named(name: str, known: Sequence[str], where: str, attribute: str, kind: str) -> None:
-    """Refuse a name that nothing of a kind has, and say which there are.
+    """Refuse a name that no item of a kind has, and list those that there are.
 
     Raises:
         InputError: There is no such name.
     """
-    there = f"there are {', '.join(known)}" if known else "there is none"
-    require(name in known, where, attribute, f"names no {kind}: {name!r}; {there}")
+    options = f"one of: {', '.join(known)}" if known else "the scene has none"
+    require(name in known, where, attribute, f"is {name!r}, must name a {kind}: {options}")
 
 
 def vector(value: Sequence[float] | np.ndarray, size: int, where: str, attribute: str) -> None:
-    """Refuse what is not so many finite numbers.
+    """Refuse a vector that does not hold the given number of finite numbers.
 
     Raises:
         InputError: It is.

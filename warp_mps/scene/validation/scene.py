@@ -1,4 +1,4 @@
-"""What a scene must satisfy before it can be run: numbers in range, names unique, references that lead somewhere.
+"""What a scene must satisfy before it can be run: numbers in range, unique names, references to existing items.
 
 Every check raises `InputError` with the place, the field and what is allowed. What needs the particles (overlaps, a
 support that holds nothing, a probe outside every body) is checked where they are known.
@@ -39,7 +39,7 @@ def check_scene(scene: Scene) -> None:
     check_limits(scene, where)
     _scene_fields(scene)
     _frame(scene)
-    require(bool(scene.bodies or scene.fluids), scene.path, "bodies", "there is no body and no fluid to simulate")
+    require(bool(scene.bodies or scene.fluids), scene.path, "bodies", "is empty: a scene needs a body or a fluid")
     _unique(scene)
     for body in scene.bodies:
         _body(scene, body)
@@ -125,7 +125,7 @@ def _start(scene: Scene, item: Body | Fluid, where: str) -> None:
 
 
 def _filled(item: Body | Wall | Fluid, where: str) -> None:
-    """What all that is filled with particles has in common."""
+    """Checks that bodies, walls and fluids share."""
     require(item.name.isidentifier(), where, "name", f"is {item.name!r}, must be letters, digits and _ as in a prim's")
     require(all(axis in (0, 1, 2) for axis in item.node_axes), where, "node_axes", "must be axes among x, y and z")
 
@@ -145,7 +145,7 @@ def _material(material: Material, scene: Scene, body: str) -> None:
     require(good, where, f"{prefix}retardation_time", reason)
     linear = material.law == "st_venant_kirchhoff"
     good = linear or scene.elasticity.model != "springs"
-    reason = f"is {material.law!r}, which the springs model does not know; use hamiltonian"
+    reason = f"is {material.law!r}, which the springs model does not have; use hamiltonian"
     require(good, where, f"{prefix}law", reason)
     plane_stress = scene.dimension == 2 and scene.plane == "stress" and linear
     upper = 1.0 if plane_stress else 0.5
@@ -200,7 +200,7 @@ def _table(
     require(rows.shape == (len(times), *shape), where, of_rows, reason)
     require(bool(np.all(np.isfinite(rows))), where, of_rows, "must be finite")
     start = table_values(times, rows.reshape(len(times), -1), kind, 0.0)
-    require(not np.any(start), where, of_rows, "must be 0 at t = 0, where the particles are")
+    require(not np.any(start), where, of_rows, "must be 0 at t = 0")
 
 
 def _load(scene: Scene, load: Load) -> None:

@@ -1,4 +1,4 @@
-"""Whether every field of a scene holds what its annotation says, before anything is computed with it."""
+"""Whether every field of a scene holds a value of the type of its annotation, checked before it is used."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from warp_mps.scene.validation.rules import place
 from warp_mps.shapes import Shape
 from warp_mps.shapes.numbers import is_number
 
-# what the types of fields are called
+# names of the types of fields in messages
 _WORDS: dict[Any, str] = {
     float: "a number",
     int: "a whole number",
@@ -77,7 +77,7 @@ def _hints(kind: Any) -> dict[str, Any]:
 
 
 def _fits(value: Any, hint: Any) -> bool:
-    """Whether a value is of a kind; a list will do for a tuple, and whatever NumPy makes numbers of for an array."""
+    """Whether a value is of a kind; lists pass for tuples, and anything that NumPy converts to numbers for an array."""
     origin, inner = typing.get_origin(hint), typing.get_args(hint)
     if origin in (typing.Union, types.UnionType):
         return any(_fits(value, option) for option in inner)
@@ -116,7 +116,7 @@ def _are_numbers(value: Any) -> bool:
 
 
 def _shown(value: Any) -> str:
-    """A value, or what it is and holds where it is long."""
+    """A value, or its type and the types of its items where it is long."""
     if len(repr(value)) < 40:
         return repr(value)
     kinds = {type(item).__name__: None for item in value} if isinstance(value, tuple | list) else {}

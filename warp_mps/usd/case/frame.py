@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from warp_mps.errors import InputError
 from warp_mps.scene import StageFrame
-from warp_mps.usd.case.attributes import StageAttribute
+from warp_mps.usd.case.stage_attribute import StageAttribute
 
 # Components out of the plane below this fraction of the vector are rounding.
 OUT_OF_PLANE = 1e-6

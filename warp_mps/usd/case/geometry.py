@@ -9,10 +9,10 @@ from warp_mps.errors import InputError
 from warp_mps.scene.validation.rules import LARGEST
 from warp_mps.shapes import Box, Cylinder, Mesh, Points, Shape, Sphere
 from warp_mps.shapes.lattice import rigid_axes
-from warp_mps.usd.case.attributes import stage_error
 from warp_mps.usd.case.frame import Frame
 from warp_mps.usd.case.layers import reason_of
 from warp_mps.usd.case.prim_values import typed
+from warp_mps.usd.case.stage_errors import stage_error
 
 KINDS = ("Cube", "Sphere", "Cylinder", "Mesh", "Points")
 
@@ -152,7 +152,7 @@ def _points(prim: Usd.Prim, frame: Frame, placement: np.ndarray) -> Shape:
 
 
 def _array(attribute: Usd.Attribute, kind: str) -> np.ndarray:
-    """An array that need not be given."""
+    """An array, empty if it is not given."""
     return typed(attribute, kind) if attribute.HasAuthoredValue() else np.zeros(0)
 
 

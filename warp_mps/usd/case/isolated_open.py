@@ -23,12 +23,12 @@ MEMORY, MEMORY_PER_BYTE = 2 * 2**30, 50
 READY = b"ready\n"
 # exit code where the memory does not suffice
 TOO_LARGE = 3
-# what USD prints when a binary file tells of places that it does not have
+# what USD prints when a binary file refers to places beyond its end
 BEYOND = b"posix_madvise"
 
 
 def open_isolated(path: str | Path, *, allow_external: bool) -> None:
-    """Open a stage and every value in it elsewhere; what is wrong with it otherwise is not said.
+    """Open a stage and read every value in a process of its own; errors that USD reports itself are left to the caller.
 
     Args:
         path: File of the stage.
@@ -42,7 +42,7 @@ def open_isolated(path: str | Path, *, allow_external: bool) -> None:
     root = str(Path(__file__).parents[3])
     # without the folder that the user happens to be in, whose files must not pass for modules
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join([root, *filter(None, sys.path)]), "PYTHONSAFEPATH": "1"}
-    # threads would take memory by their mere number
+    # each thread would take memory
     environment["PXR_WORK_THREAD_LIMIT"] = "1"
     command = [
         sys.executable,
@@ -79,7 +79,7 @@ def _start(command: list[str], environment: dict[str, str], errors: IO[bytes]) -
 
 
 def _name(code: int) -> str:
-    """What ended a process."""
+    """Name of the signal or exit code that ended a process."""
     if code == TOO_LARGE:
         return "out of memory"
     with contextlib.suppress(ValueError):

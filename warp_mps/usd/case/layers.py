@@ -20,18 +20,18 @@ from pxr import Ar, Sdf, Tf
 from warp_mps.errors import InputError
 from warp_mps.usd.case.isolated_open import open_isolated
 
-# brackets in each other: USD's reader fails beyond some 1e4
+# nested brackets; USD's reader fails beyond some 1e4
 DEEPEST = 500
 # arcs of composition that cannot multiply to more than some hundred copies
 FEW = 16
-# of a .usda file: what is neither a string, an asset path nor a comment
+# tokens of a .usda file that are neither strings, asset paths nor comments
 _CODE = re.compile(
     rb'([^"\'@#/]+|/(?![/*]))|"""(?:[^\\]|\\.)*?"""|\'\'\'(?:[^\\]|\\.)*?\'\'\'|"(?:[^\\\n"]|\\.)*"|\'(?:[^\\\n\']|\\.)*\''
     rb"|@@@.*?@@@|@[^@\n]*@|#[^\n]*|//[^\n]*|/\*.*?\*/|.",
     re.DOTALL,
 )
 _NO_BRACKETS = bytes({*range(256)} - {*b"([{}])"})
-# a scheme, as of http://, but not the letter of a drive
+# a scheme such as http://, but not the letter of a drive
 _SCHEME = re.compile(r"[A-Za-z][A-Za-z0-9+.-]+:")
 
 
@@ -47,7 +47,7 @@ def check_layers(path: str | Path, *, allow_external: bool, tried: bool = False)
         The layers; the first is the stage's own.
 
     Raises:
-        InputError: It refers to a file outside its folder, a file is none that USD can be given, or USD fails on it.
+        InputError: It refers to a file outside its folder, a file is not one that USD can read, or USD fails on it.
     """
     home = Path(os.path.abspath(path)).parent.resolve()
     waiting, seen, layers, arcs = [str(path)], set[str](), list[Sdf.Layer](), 0
@@ -95,25 +95,25 @@ def _arcs(layer: Sdf.Layer) -> list[tuple[str, tuple[str, str]]]:
 def _dependencies(
     layer: Sdf.Layer, places: Mapping[str, tuple[str, str]], home: Path, allow_external: bool
 ) -> Iterator[str]:
-    """Files that a layer refers to, as far as they are there: what is missing, USD says."""
+    """Existing files that a layer refers to; USD reports the missing ones."""
     for asset in layer.GetCompositionAssetDependencies():
         if not asset:
             continue
         where, field = places.get(asset, (layer.identifier, ""))
         if asset.startswith("`") or _SCHEME.match(asset):
-            raise InputError(where, field, f"leads to @{asset}@, which is no path of a file")
+            raise InputError(where, field, f"refers to @{asset}@, which is not the path of a file")
         identifier = Sdf.ComputeAssetPathRelativeToLayer(layer, asset)
         found = Ar.GetResolver().Resolve(identifier).GetPathString()
         file = Ar.SplitPackageRelativePathOuter(found or identifier)[0]
         if not allow_external and (found or os.path.isabs(file)) and not _within(file, home):
-            reason = f"leads to @{asset}@, outside the folder of the stage; allow it by --allow-external"
+            reason = f"refers to @{asset}@, outside the folder of the stage; allow it by --allow-external"
             raise InputError(where, field, reason)
         if found:
             yield found
 
 
 def _within(file: str, home: Path) -> bool:
-    """Whether a file lies in a folder or below, wherever links lead."""
+    """Whether a file lies in a folder or below, with symbolic links resolved."""
     return Path(os.path.realpath(file)).is_relative_to(home)
 
 
@@ -128,7 +128,7 @@ def _open(file: str) -> Sdf.Layer:
         if layer:
             layer.Reload()
     except (Tf.ErrorException, UnicodeDecodeError) as error:
-        # of a damaged file, what USD says need not be a text
+        # the message of USD on a damaged file need not be valid text
         raise InputError(file, "", f"is not a USD stage that can be read: {reason_of(error)}") from None
     if not layer:
         raise InputError(file, "", "is not a USD stage that can be read: unknown format")
@@ -139,12 +139,12 @@ def _is_binary(file: str) -> bool:
     """Whether a file is binary, or in a package that may hold such.
 
     Raises:
-        InputError: It is no file, empty, not UTF-8, or nested too deep.
+        InputError: It is not a regular file, it is empty, not UTF-8, or nested too deep.
     """
     if Ar.IsPackageRelativePath(file):
         return True
     try:
-        # what is no file may never end
+        # a device or a pipe may never end
         if not stat.S_ISREG(os.stat(file).st_mode):
             raise InputError(file, "", "is not a file")
         with open(file, "rb") as stream:
@@ -163,12 +163,12 @@ def _is_binary(file: str) -> bool:
         raise InputError(file, "", f"is not a USD stage that can be read: line {line} is not UTF-8") from None
     code = b"".join(_CODE.findall(data))
     if _depth(code) > DEEPEST:
-        raise InputError(file, "", f"is not a USD stage that can be read: more than {DEEPEST} brackets in each other")
+        raise InputError(file, "", f"is not a USD stage that can be read: more than {DEEPEST} nested brackets")
     return False
 
 
 def _depth(code: bytes) -> int:
-    """The most brackets that are in each other."""
+    """The greatest depth of nested brackets."""
     brackets = np.frombuffer(code.translate(None, _NO_BRACKETS), np.uint8)
     steps = np.where(np.isin(brackets, np.frombuffer(b"([{", np.uint8)), 1, -1)
     heights = np.cumsum(np.append(0, steps))

@@ -1,4 +1,4 @@
-"""Opening a stage, with USD's own diagnostics turned into one line, and changing attributes for one run."""
+"""Opening a stage, with USD's diagnostics reduced to one line, and overriding attributes for one run."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from warp_mps.usd.case.layers import check_layers, reason_of
 
 # The attributes that belong to any role; their types are those of the table, or this one.
 _EXTRA_TYPES = {ROLE: "token"}
-# how values of the types are written that are no single word or number, by the end of a type's name
+# notation of values that are not a single word or number, by the ending of the type's name
 _NOTATIONS = {"token[]": '["a", "b"]', "3[]": "[(1, 0, 0)]", "3f[]": "[(1, 0, 0)]", "[]": "[0, 1]"}
 _NOTATIONS |= dict.fromkeys(("3", "3f", "3d"), "(1, 0, 0)")
 
@@ -49,7 +49,7 @@ def open_stage(
         The stage; its file is not changed.
 
     Raises:
-        InputError: The file is missing or is no stage, something it refers to is missing or outside its folder, or an
+        InputError: The file is missing or not a stage, something it refers to is missing or outside its folder, or an
             override is wrong.
     """
     register_schema()

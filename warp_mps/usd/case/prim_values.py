@@ -11,17 +11,18 @@ from pxr import Tf, Usd, Vt
 
 from warp_mps.errors import InputError
 from warp_mps.scene.validation.rules import LARGEST
-from warp_mps.usd.case.attributes import ROLE, TABLE, StageAttribute
+from warp_mps.usd.case.attributes import ROLE, TABLE
 from warp_mps.usd.case.frame import Frame
 from warp_mps.usd.case.layers import reason_of
+from warp_mps.usd.case.stage_attribute import StageAttribute
 
 
 class Values:
-    """What a prim says about its part in the case.
+    """The attributes of a prim.
 
     Args:
         prim: The prim.
-        role: Its part, a key of the table of attributes.
+        role: Its role, a key of the table of attributes.
         frame: Units and axes.
         names: Names that the prims of each role have in the scene, by their paths.
     """
@@ -33,7 +34,7 @@ class Values:
         self.path = str(prim.GetPath())
 
     def check_names(self) -> None:
-        """Refuse attributes that are not in the table, most likely misspelt.
+        """Refuse attributes that are not in the table, which are most likely misspelt.
 
         Raises:
             InputError: There is one.
@@ -173,12 +174,12 @@ def typed(attribute: Usd.Attribute, kind: str) -> Any:
 
 
 def shortest(value: float) -> float:
-    """The shortest decimal that a single-precision number can be told by: 9.81, not 9.8100004196."""
+    """The shortest decimal that identifies a single-precision number: 9.81, not 9.8100004196."""
     return float(str(np.float32(value)))
 
 
 def _plain(value: Any, kind: str) -> Any:
-    """The value as the kind's plain type, or None if it is of another."""
+    """The value as the plain type of its kind, None if it is of another."""
     number = isinstance(value, int | float) and not isinstance(value, bool)
     if kind in ("float", "double"):
         return None if not number else shortest(value) if kind == "float" else float(value)

@@ -30,14 +30,15 @@ from warp_mps.scene.components import component_names
 from warp_mps.scene.filling_level import below_level
 from warp_mps.shapes import Shape, particle_count
 from warp_mps.usd.case import motions, stage_contents
-from warp_mps.usd.case.attributes import ROLE, stage_error
+from warp_mps.usd.case.attributes import ROLE
 from warp_mps.usd.case.composites import read_region
 from warp_mps.usd.case.geometry import has_shape
 from warp_mps.usd.case.layers import reason_of
 from warp_mps.usd.case.open_stage import open_stage, quiet
 from warp_mps.usd.case.prim_values import Values
+from warp_mps.usd.case.stage_errors import stage_error
 
-# roles of what is filled with particles
+# roles of the items that are filled with particles
 FILLED = ("body", "wall", "fluid")
 
 
@@ -74,7 +75,7 @@ def read_stage(path: str | Path, *, overrides: Mapping[str, str] | None = None, 
 
 
 def _check_lattice(body: Body | Wall | Fluid, dimension: int) -> None:
-    """Refuse what cannot be filled with particles, while the stage's words for it are known."""
+    """Refuse a body that cannot be filled with particles, while its prim and attributes are known."""
     particle_count(body.shape, body.spacing, dimension, body.node_axes, where=body.path)
 
 
@@ -87,7 +88,7 @@ class _Reader:
         self.physics = stage_contents.physics_scene(prims, path)
         self.parts = stage_contents.by_role(prims)
         if not self.parts["body"] and not self.parts["fluid"]:
-            raise InputError(path, "", f'there is no body and no fluid: no prim has {ROLE} = "body" or "fluid"')
+            raise InputError(path, "", f'needs a body or a fluid: no prim has {ROLE} = "body" or "fluid"')
         self.names = {role: stage_contents.unique_names(prims) for role, prims in self.parts.items()}
         # bodies, walls and fluids stand side by side in results
         filled = stage_contents.unique_names([prim for role in FILLED for prim in self.parts[role]])

@@ -16,10 +16,11 @@ from warp_mps.scene.components import component_names
 from warp_mps.scene.validation.rules import place
 from warp_mps.shapes import Points
 from warp_mps.usd import register_schema
-from warp_mps.usd.case.attributes import ROLE, ROLES, TABLE, StageAttribute
+from warp_mps.usd.case.attributes import ROLE, ROLES, TABLE
 from warp_mps.usd.case.frame import Frame
 from warp_mps.usd.case.open_stage import quiet
 from warp_mps.usd.case.save_shape import lattice_axes, save_shape
+from warp_mps.usd.case.stage_attribute import StageAttribute
 
 ROOT = "/World"
 # scopes of the items that relationships refer to, by their roles
@@ -37,8 +38,8 @@ def save_stage(scene: sc.Scene, path: str | Path) -> None:
         path: File to write; its suffix says which format.
 
     Raises:
-        InputError: The suffix is not one of `SUFFIXES`, the file cannot be written, a name is no prim name, or there
-            are body forces.
+        InputError: The suffix is not one of `SUFFIXES`, the file cannot be written, a name is not a valid prim name, or
+            there are body forces.
     """
     path = Path(path)
     if path.suffix not in SUFFIXES:
@@ -142,7 +143,7 @@ class _Writer:
         self._relate(prim, "mps:body", "Bodies", (body.name,))
 
     def _material(self, material: sc.Material | sc.Liquid) -> UsdShade.Material:
-        """The prim of a material, one for all that are equal, named after what is made of it."""
+        """The prim of a material, one for all that are equal, named after the first item made of it."""
         path = f"{ROOT}/Materials/{self.materials[material]}"
         if self.stage.GetPrimAtPath(path):
             return UsdShade.Material(self.stage.GetPrimAtPath(path))
@@ -193,7 +194,9 @@ class _Writer:
     def _place(self, kind: str, name: str, item: Any) -> str:
         if not Sdf.Path.IsValidIdentifier(name):
             where = item.path or f"{type(item).__name__.lower()} {name!r}"
-            raise InputError(where, "name", f"{name!r} is no prim name: use letters, digits and _, no digit first")
+            raise InputError(
+                where, "name", f"{name!r} is not a valid prim name: use letters, digits and _, no digit first"
+            )
         self._scope(kind)
         return f"{ROOT}/{kind}/{name}"
 

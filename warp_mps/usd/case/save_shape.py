@@ -16,7 +16,7 @@ from warp_mps.shapes import Box, Cylinder, Mesh, Points, Shape, Sphere
 from warp_mps.usd.case.composites import BORE, operations
 from warp_mps.usd.case.frame import Frame
 
-# Depth of what is infinitely deep in a 3-D scene, in units of its width.
+# Depth of infinitely deep shapes in a 3-D scene, in units of its width.
 DEEP = 1e6
 # scope of the shapes that others are joined with
 SHAPES = "/World/Shapes"
@@ -99,7 +99,7 @@ def _turned(turn: np.ndarray, axis: int) -> int:
 
 
 def _finite(shape: Any, dimension: int) -> Any:
-    """The shape with a depth for one that is infinitely deep: a 2-D scene uses its section alone."""
+    """The shape, with a finite depth if it is infinitely deep: a 2-D scene uses its section alone."""
     if isinstance(shape, Box) and not np.isfinite(shape.size).all():
         largest = max((length for length in shape.size if np.isfinite(length)), default=1.0)
         depth = min(*shape.size, largest) if dimension == 2 else DEEP * largest

@@ -1,4 +1,4 @@
-"""What a stage says as a whole: its prims by role and their names, its units and axes, gravity."""
+"""Contents of a stage as a whole: prims by role and their names, units and axes, gravity."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ LARGEST_UNIT = 1e30
 
 
 def physics_scene(prims: list[Usd.Prim], path: str) -> Usd.Prim:
-    """The one prim that says how the scene is run."""
+    """The one PhysicsScene prim."""
     found = [prim for prim in prims if prim.IsA(UsdPhysics.Scene)]
     if len(found) != 1:
         names = ", ".join(str(prim.GetPath()) for prim in found)
