@@ -11,6 +11,7 @@ from typing import Any
 import pytest
 
 import warp_mps
+from warp_mps.particles.filling import fill_scene
 
 ROOT = Path(__file__).resolve().parent.parent
 
@@ -97,6 +98,7 @@ def test_the_scripting_page_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     assert {path.name for path in Path("runs/bracket").iterdir()} >= {"picture.png", "probes.png", "report.html"}
     assert scope["half"] == pytest.approx(-0.01, rel=0.01)
     assert scope["simulation"].time == pytest.approx(0.05, rel=1e-3)
+    assert fill_scene(scope["again"]).count == scope["summary"].particles["bracket"]
 
 
 @pytest.mark.long
