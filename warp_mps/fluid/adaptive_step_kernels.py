@@ -1,4 +1,9 @@
-"""The length of a step, chosen on the device from the speed of the fastest particle (CFL number), and the clock."""
+"""The length of a step, chosen on the device by the CFL condition, and the clock.
+
+    dt = min(dt_max, C l0 / max |u|),   C the CFL number
+
+shortened so that a whole number of equal steps leads to the target time.
+"""
 
 import functools
 from types import SimpleNamespace
@@ -15,8 +20,15 @@ def adaptive_step_kernels(types: NumericTypes) -> SimpleNamespace:
     real, vec = types.real, types.vec
 
     @types.kernel(METHOD)
-    def square_speeds(chunk: wp.int32, u: wp.array(dtype=vec), fastest_out: wp.array(dtype=real)):
-        """Square of the largest speed of each chunk of particles."""
+    def square_speeds(
+        # Model:
+        chunk: wp.int32,
+        # State in:
+        u: wp.array(dtype=vec),  # velocities [m/s], [n]
+        # State out:
+        fastest_out: wp.array(dtype=real),  # squares of the largest speeds [m^2/s^2], [n / chunk]
+    ):
+        """Max u . u over each chunk of particles."""
         c = wp.tid()
         value = real(0.0)
         for i in range(c * chunk, wp.min((c + 1) * chunk, u.shape[0])):
@@ -29,16 +41,19 @@ def adaptive_step_kernels(types: NumericTypes) -> SimpleNamespace:
         limit: wp.float64,
         reach: wp.float64,
         # State in:
-        fastest: wp.array(dtype=real),
-        target: wp.array(dtype=wp.float64),
-        time: wp.array(dtype=wp.float64),
-        # Out:
-        dt_out: wp.array(dtype=wp.float64),
-        way_out: wp.array(dtype=wp.float64),
-        left_out: wp.array(dtype=wp.int32),
-        time_after_out: wp.array(dtype=wp.float64),
+        fastest: wp.array(dtype=real),  # squares of the largest speeds of chunks [m^2/s^2], [n / chunk]
+        target: wp.array(dtype=wp.float64),  # time that steps go towards [s], [1]
+        time: wp.array(dtype=wp.float64),  # time [s], [1]
+        # State out:
+        dt_out: wp.array(dtype=wp.float64),  # time step [s], [1]
+        displacement_out: wp.array(dtype=wp.float64),  # displacement of the fastest particle in the step [m], [1]
+        steps_left_out: wp.array(dtype=wp.int32),  # number of steps up to the target, [1]
+        end_out: wp.array(dtype=wp.float64),  # time at the end of the step [s], [1]
     ):
-        """The next step, one of equal ones up to the target time, and the way of the fastest particle in it."""
+        """Dt = (target - time)/N with N = ceil((target - time) / min(limit, reach / max |u|)).
+
+        The limit is the longest time step dt_max [s], the reach the largest displacement C l0 in a step [m].
+        """
         square = real(0.0)
         for c in range(fastest.shape[0]):
             square = wp.max(square, fastest[c])
@@ -46,23 +61,24 @@ def adaptive_step_kernels(types: NumericTypes) -> SimpleNamespace:
         rest = target[0] - time[0]
         steps = wp.max(wp.ceil(rest / longest - wp.float64(1.0e-9)), wp.float64(1.0))
         dt_out[0] = rest / steps
-        way_out[0] = rest / steps * wp.sqrt(wp.float64(square))
-        left_out[0] = wp.int32(wp.min(steps, wp.float64(1.0e9)))
+        displacement_out[0] = rest / steps * wp.sqrt(wp.float64(square))
+        steps_left_out[0] = wp.int32(wp.min(steps, wp.float64(1.0e9)))
         if steps == wp.float64(1.0):
-            time_after_out[0] = target[0]
+            end_out[0] = target[0]
         else:
-            time_after_out[0] = time[0] + rest / steps
+            end_out[0] = time[0] + rest / steps
 
     @types.kernel(METHOD)
     def advance_clock(
         # State in:
-        time_after: wp.array(dtype=wp.float64),
+        end: wp.array(dtype=wp.float64),  # time at the end of the step [s], [1]
         # State out:
-        time_out: wp.array(dtype=wp.float64),
-        steps_out: wp.array(dtype=wp.int32),
+        time_out: wp.array(dtype=wp.float64),  # time [s], [1]
+        # State in and out:
+        steps: wp.array(dtype=wp.int32),  # number of steps done, [1]
     ):
-        """Count a step."""
-        time_out[0] = time_after[0]
-        steps_out[0] = steps_out[0] + 1
+        """Time = end, and one step more is done."""
+        time_out[0] = end[0]
+        steps[0] = steps[0] + 1
 
     return SimpleNamespace(square_speeds=square_speeds, choose_time_step=choose_time_step, advance_clock=advance_clock)

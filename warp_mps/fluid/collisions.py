@@ -33,8 +33,8 @@ def collision_kernels(types: NumericTypes) -> SimpleNamespace:
     displacement = displacement_function(types)
 
     @types.func(METHOD)
-    def bounce(x_ij: vec, u_ij: vec, reach: real) -> vec:
-        """Change of the velocity of i, as if j were fixed, when the two collide."""
+    def collision_change(x_ij: vec, u_ij: vec, reach: real) -> vec:
+        """Change of the velocity of i [m/s], (1 + e) min(u_ij . n, 0) n, as if j were fixed; 0 beyond the reach [m]."""
         square = wp.dot(x_ij, x_ij)
         if square >= reach * reach or square == real(0.0):
             return vec()
@@ -43,8 +43,8 @@ def collision_kernels(types: NumericTypes) -> SimpleNamespace:
         return (real(wp.static(1.0 + RESTITUTION)) * approach / r) * x_ij
 
     @types.func(METHOD)
-    def closest(shift_i: vec, shift_j: vec, reach: real, spacing: real) -> real:
-        """Distance below which two particles collide: the reach, or less where both are shifted."""
+    def pair_collision_distance(shift_i: vec, shift_j: vec, reach: real, spacing: real) -> real:
+        """Distance below which two particles collide [m]: the reach, or less where both are shifted."""
         if wp.dot(shift_i, shift_i) * wp.dot(shift_j, shift_j) > real(0.0):
             return real(KEPT_APART) * spacing
         return reach
@@ -54,15 +54,19 @@ def collision_kernels(types: NumericTypes) -> SimpleNamespace:
         # Model:
         fluid: Constants,
         neighbours: Neighbours,
-        firmness: wp.array(dtype=real),
+        collision_share: wp.array(dtype=real),  # shares of collisions with walls that the fluid takes [-], [w]
         # State in:
-        x: wp.array(dtype=vec),
-        u: wp.array(dtype=vec),
-        shift: wp.array(dtype=vec),
-        # Out:
-        du_out: wp.array(dtype=vec),
+        x: wp.array(dtype=vec),  # positions [m], [n]
+        u: wp.array(dtype=vec),  # velocities [m/s], [n]
+        shift: wp.array(dtype=vec),  # shifts [m], [m]
+        # State out:
+        du_out: wp.array(dtype=vec),  # changes of velocity [m/s], [m]
     ):
-        """Change of a fluid particle's velocity by collisions."""
+        """Change of a fluid particle's velocity by collisions, du_i = sum_j m_ij (1 + e) min(u_ij . n, 0) n.
+
+        n = x_ij/r is the direction of the pair, e the coefficient of restitution; m_ij is 1/2 between fluid particles,
+        and the fluid's share of a collision with a wall.
+        """
         k = wp.tid()
         i = k + fluid.walls
         x_i = x[i]
@@ -72,10 +76,12 @@ def collision_kernels(types: NumericTypes) -> SimpleNamespace:
             j = neighbours.index[i, m]
             x_ij = displacement(x_i, x[j], fluid.period)
             if j < fluid.walls:
-                du += firmness[j] * bounce(x_ij, u[j] - u_i, real(COLLISION) * fluid.spacing)
+                du += collision_share[j] * collision_change(x_ij, u[j] - u_i, real(COLLISION) * fluid.spacing)
             else:
-                du += real(0.5) * bounce(
-                    x_ij, u[j] - u_i, closest(shift[k], shift[j - fluid.walls], fluid.collision_distance, fluid.spacing)
+                du += real(0.5) * collision_change(
+                    x_ij,
+                    u[j] - u_i,
+                    pair_collision_distance(shift[k], shift[j - fluid.walls], fluid.collision_distance, fluid.spacing),
                 )
         du_out[k] = du
 
@@ -84,21 +90,23 @@ def collision_kernels(types: NumericTypes) -> SimpleNamespace:
         # Model:
         fluid: Constants,
         neighbours: Neighbours,
-        firmness: wp.array(dtype=real),
+        collision_share: wp.array(dtype=real),  # shares of collisions with walls that the fluid takes [-], [w]
         # State in:
-        x: wp.array(dtype=vec),
-        u: wp.array(dtype=vec),
+        x: wp.array(dtype=vec),  # positions [m], [n]
+        u: wp.array(dtype=vec),  # velocities [m/s], [n]
         # State in and out:
-        impulse: wp.array(dtype=vec64),
-        work: wp.array(dtype=wp.float64),
+        impulse: wp.array(dtype=vec64),  # impulses on walls [N s], in 2-D [N s/m], [w]
+        work: wp.array(dtype=wp.float64),  # work of walls on the fluid [J], in 2-D [J/m], [w]
     ):
-        """Impulse on a wall's particle by collisions, and the wall's work."""
+        """Add the impulses -m du of collisions on a wall particle, and the work of the wall."""
         j = wp.tid()
         total = vec()
         for m in range(neighbours.count[j]):
             i = neighbours.index[j, m]
-            total += bounce(displacement(x[i], x[j], fluid.period), u[j] - u[i], real(COLLISION) * fluid.spacing)
-        gained = -wp.float64(real(fluid.mass)) * wp.float64(firmness[j]) * vec64(total)
+            total += collision_change(
+                displacement(x[i], x[j], fluid.period), u[j] - u[i], real(COLLISION) * fluid.spacing
+            )
+        gained = -wp.float64(real(fluid.mass)) * wp.float64(collision_share[j]) * vec64(total)
         impulse[j] = impulse[j] + gained
         work[j] = work[j] - wp.dot(gained, vec64(u[j]))
 

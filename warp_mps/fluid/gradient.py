@@ -1,4 +1,4 @@
-"""Pressure forces: of particles on each other, and of the fluid on the walls.
+"""Pressure gradient and the forces of fluid particles on each other.
 
 Force per volume on particle i, with c = gradient * g/r_e^2 of each pair (`warp_mps.fluid.operator_constants`):
 
@@ -41,7 +41,7 @@ CLOSEST = 0.02
 
 @functools.cache
 def gradient_kernels(types: NumericTypes) -> SimpleNamespace:
-    """Kernels `wall_tangential_gradient`, `pressure_velocity_change`, `pressure_wall_impulse` and `wall_pressure`."""
+    """Kernels `wall_tangential_gradient`, `pressure_velocity_change`; functions of the pressures that they take."""
     real, vec, mat, d = types.real, types.vec, types.mat, types.dimension
     Constants, Neighbours = fluid_constants_struct(types), neighbour_table_struct()
     displacement = displacement_function(types)
@@ -50,7 +50,7 @@ def gradient_kernels(types: NumericTypes) -> SimpleNamespace:
 
     @types.func(METHOD)
     def wall_particle_pressure(p_i: real, step: real, clip: wp.int32) -> real:
-        """Pressure of a wall's particle as seen from a fluid particle, a hydrostatic step away."""
+        """Pressure of a wall particle as seen from a fluid particle, p_w = p_i + rho (g - a_w) . x_iw [Pa]."""
         p_j = p_i + step
         if clip == 1:
             p_j = wp.max(p_j, real(0.0))
@@ -58,7 +58,7 @@ def gradient_kernels(types: NumericTypes) -> SimpleNamespace:
 
     @types.func(METHOD)
     def pair_pressure(scheme: wp.int32, p_i: real, p_j: real, p_min: real) -> real:
-        """The pressure that a pair's force is made of."""
+        """Pressure of a pair's force [Pa]: p_i + p_j, p_j - p_i or p_j - p_min by the scheme; see the module."""
         if scheme == wp.static(CONSERVATIVE):
             if p_i + p_j >= real(0.0):
                 return p_i + p_j
@@ -73,15 +73,19 @@ def gradient_kernels(types: NumericTypes) -> SimpleNamespace:
         fluid: Constants,
         neighbours: Neighbours,
         # State in:
-        x: wp.array(dtype=vec),
-        a: wp.array(dtype=vec),
-        p: wp.array(dtype=wp.float64),
-        normal: wp.array(dtype=vec),
-        depth: wp.array(dtype=real),
-        # Out:
-        slope_out: wp.array(dtype=vec),
+        x: wp.array(dtype=vec),  # positions [m], [n]
+        a: wp.array(dtype=vec),  # accelerations of walls [m/s^2], [n]
+        p: wp.array(dtype=wp.float64),  # pressures [Pa], [m]
+        normal: wp.array(dtype=vec),  # normals into the walls beside particles [-], [m]
+        depth: wp.array(dtype=real),  # distances from the faces of these walls, 0 without [m], [m]
+        # State out:
+        wall_gradient_out: wp.array(dtype=vec),  # pressure gradients along walls [Pa/m], [m]
     ):
-        """Slope of the pressure along the wall beside a fluid particle, less that of water at rest."""
+        """Pressure gradient along the wall beside a fluid particle, less that of water at rest; 0 without a flat wall.
+
+        (sum_j c (p_j - p_i) x_ij - rho M (sum_w c (g - a_w)) / sum_w c) / m, projected on the wall, over wall particles
+        w and fluid particles j; M = sum_j c x_ij x_ij, and m is its mean along the wall.
+        """
         k = wp.tid()
         result = vec()
         if depth[k] > real(0.0):
@@ -109,7 +113,7 @@ def gradient_kernels(types: NumericTypes) -> SimpleNamespace:
             if own > real(LEAST_SPREAD):
                 total = (total - (fluid.density / weights) * (moments * pull)) / own
                 result = total - wp.dot(total, n) * n
-        slope_out[k] = result
+        wall_gradient_out[k] = result
 
     @types.kernel(METHOD)
     def pressure_velocity_change(
@@ -117,21 +121,21 @@ def gradient_kernels(types: NumericTypes) -> SimpleNamespace:
         fluid: Constants,
         neighbours: Neighbours,
         # State in:
-        dt: wp.array(dtype=wp.float64),
-        x: wp.array(dtype=vec),
-        a: wp.array(dtype=vec),
-        p: wp.array(dtype=wp.float64),
-        scale: wp.array(dtype=real),
-        along: wp.array(dtype=vec),
-        # Out:
-        du_out: wp.array(dtype=vec),
+        dt: wp.array(dtype=wp.float64),  # time step [s], [1]
+        x: wp.array(dtype=vec),  # positions [m], [n]
+        a: wp.array(dtype=vec),  # accelerations of walls [m/s^2], [n]
+        p: wp.array(dtype=wp.float64),  # pressures [Pa], [m]
+        density_scale: wp.array(dtype=real),  # density scales s [-], [m]
+        wall_gradient: wp.array(dtype=vec),  # pressure gradients along walls [Pa/m], [m]
+        # State out:
+        du_out: wp.array(dtype=vec),  # changes of velocity [m/s], [m]
     ):
-        """Change of a fluid particle's velocity by the pressure over a step."""
+        """Change of a fluid particle's velocity, du = -dt grad p / rho, by the force of the scheme; see the module."""
         k = wp.tid()
         i = k + fluid.walls
         x_i = x[i]
         p_i = real(p[k])
-        s_i = scale[k]
+        s_i = density_scale[k]
         p_min = p_i
         if fluid.scheme > wp.static(CORRECTED):
             for m in range(neighbours.count[i]):
@@ -148,12 +152,12 @@ def gradient_kernels(types: NumericTypes) -> SimpleNamespace:
                 r = wp.max(wp.sqrt(square), real(CLOSEST) * fluid.radius)
                 c = fluid.gradient * gradient_weight(fluid.scheme, r, fluid.radius)
                 p_j = real(p[wp.max(j - fluid.walls, 0)])
-                s_j = scale[wp.max(j - fluid.walls, 0)]
+                s_j = density_scale[wp.max(j - fluid.walls, 0)]
                 step = real(0.0)
                 if j < fluid.walls:
                     p_j = wall_particle_pressure(p_i, fluid.density * wp.dot(fluid.gravity - a[j], x_ij), fluid.clip)
                     s_j = s_i
-                    step = wp.dot(along[k], x_ij)
+                    step = wp.dot(wall_gradient[k], x_ij)
                 if fluid.scheme == wp.static(CONSERVATIVE):
                     c *= real(0.5) * (s_i + s_j)
                 total += (c * (pair_pressure(fluid.scheme, p_i, p_j, p_min) + step)) * x_ij

@@ -34,24 +34,24 @@ def implicit_viscosity_kernels(types: NumericTypes) -> SimpleNamespace:
         # Model:
         fluid: Constants,
         neighbours: Neighbours,
-        sticks: wp.array(dtype=wp.int32),
+        no_slip: wp.array(dtype=wp.int32),  # 1 for fluid particles and no-slip walls, else 0, [n]
         # State in:
-        dt: wp.array(dtype=wp.float64),
-        x: wp.array(dtype=vec),
-        u: wp.array(dtype=vec),
-        lost: wp.array(dtype=wp.int32),
-        mirrored: wp.array(dtype=vec),
-        # Out:
-        first_out: wp.array(dtype=wp.int32),
-        count_out: wp.array(dtype=wp.int32),
-        index_out: wp.array(dtype=wp.int32),
-        value_out: wp.array(dtype=real),
-        diagonal_out: wp.array(dtype=real),
-        active_out: wp.array(dtype=wp.int32),
-        rhs_out: wp.array(dtype=wp.float64, ndim=2),
-        guess_out: wp.array(dtype=wp.float64, ndim=2),
+        dt: wp.array(dtype=wp.float64),  # time step [s], [1]
+        x: wp.array(dtype=vec),  # positions [m], [n]
+        u: wp.array(dtype=vec),  # velocities [m/s], [n]
+        lost: wp.array(dtype=wp.int32),  # 1 for particles that have left the domain, else 0, [n]
+        ghost: wp.array(dtype=vec),  # velocities of no-slip ghost particles [m/s], [w]
+        # State out:
+        first_out: wp.array(dtype=wp.int32),  # first entry of each row, [m]
+        count_out: wp.array(dtype=wp.int32),  # number of entries of each row, [m]
+        index_out: wp.array(dtype=wp.int32),  # column of each entry, [m room]
+        value_out: wp.array(dtype=real),  # entries with their sign turned [-], [m room]
+        diagonal_out: wp.array(dtype=real),  # diagonal [-], [m]
+        active_out: wp.array(dtype=wp.int32),  # 1 for rows that are solved, else 0, [m]
+        rhs_out: wp.array(dtype=wp.float64, ndim=2),  # right-hand sides [m/s], [d, m]
+        guess_out: wp.array(dtype=wp.float64, ndim=2),  # first guesses [m/s], [d, m]
     ):
-        """The row of a fluid particle, and the right-hand side of each component."""
+        """Row of a fluid particle, u'_i - dt nu laplacian sum_j w_ij (u'_j - u'_i) = u_i + dt g, by component."""
         k = wp.tid()
         i = k + fluid.walls
         h = real(dt[0])
@@ -63,11 +63,11 @@ def implicit_viscosity_kernels(types: NumericTypes) -> SimpleNamespace:
         for m in range(neighbours.count[i]):
             j = neighbours.index[i, m]
             r = wp.length(displacement(x_i, x[j], fluid.period))
-            if r < fluid.radius and sticks[j] == 1 and lost[j] == 0:
+            if r < fluid.radius and no_slip[j] == 1 and lost[j] == 0:
                 c = h * fluid.viscous_factor * weight(r, fluid.radius)
                 diagonal += c
                 if j < fluid.walls:
-                    rhs += c * mirrored[j]
+                    rhs += c * ghost[j]
                 else:
                     index_out[first + entries] = j - fluid.walls
                     value_out[first + entries] = c
@@ -85,12 +85,12 @@ def implicit_viscosity_kernels(types: NumericTypes) -> SimpleNamespace:
         # Model:
         fluid: Constants,
         # State in:
-        u: wp.array(dtype=vec),
-        solution: wp.array(dtype=wp.float64, ndim=2),
-        # Out:
-        u_out: wp.array(dtype=vec),
+        u: wp.array(dtype=vec),  # velocities before the step [m/s], [n]
+        solution: wp.array(dtype=wp.float64, ndim=2),  # velocities of fluid particles [m/s], [d, m]
+        # State out:
+        u_out: wp.array(dtype=vec),  # velocities at the end of the step [m/s], [n]
     ):
-        """Velocities of all particles, the solution's for the fluid."""
+        """Velocities of all particles: the solution u' of the fluid, u of walls."""
         i = wp.tid()
         u_i = u[i]
         if i >= fluid.walls:
@@ -102,7 +102,7 @@ def implicit_viscosity_kernels(types: NumericTypes) -> SimpleNamespace:
 
 
 class ImplicitViscosity:
-    """The velocities that an implicit step of viscosity leads to.
+    """Velocities after an implicit step of viscosity.
 
     Attributes:
         u: They, of all particles, vec [n].
@@ -128,7 +128,7 @@ class ImplicitViscosity:
         self.u = wp.zeros(n, dtype=types.vec, device=device)
 
     def use(self, matrix: Matrix) -> None:
-        """Take other room for the matrix."""
+        """Assemble into other arrays from now on."""
         self._matrix = matrix._replace(singular=None)
 
     def solve(self, constants: Any, inputs: list[Any], u: wp.array) -> None:

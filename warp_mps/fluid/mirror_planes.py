@@ -54,28 +54,28 @@ def mirror_plane_kernels(types: NumericTypes) -> SimpleNamespace:
 
     @types.func(METHOD)
     def mirror_distance_squared(square: real, normal_i: vec, normal_j: vec, depth_i: real, depth_j: real) -> real:
-        """Square of the distance to the mirror image of a neighbour; without end if it has none."""
+        """Square r^2 + 4 s_i s_j of the distance to the mirror image of a neighbour [m^2]; infinite if it has none."""
         if depth_j <= real(0.0) or wp.dot(normal_i, normal_j) < real(SAME_FACE):
             return real(wp.inf)
         return square + real(4.0) * depth_i * depth_j
 
     @types.func(METHOD)
     def tangential_moment(moments: mat, normal: vec) -> real:
-        """Mean second moment along a face."""
+        """Mean second moment along a face, (tr M - n . M n)/(d - 1)."""
         return (wp.trace(moments) - wp.dot(normal, moments * normal)) / real(wp.static(d - 1))
 
     @types.func(METHOD)
     def mirror_wall_strain(
         strain: mat, moments: mat, wall_strain: mat, wall_moments: mat, reach: vec, normal: vec, depth: real
     ) -> mat:
-        """What a flat wall adds to sum_j u_ij (x) arm_ij, of what its particles and what the water's add.
+        """Sum of u_ij (x) m_ij over a flat wall: along it as over the fluid, across it with the wall's own at its face.
 
         Args:
             strain: Sum over the water's particles.
-            moments: Their sum of arm_ij (x) x_ij.
+            moments: Their sum of m_ij (x) x_ij [-].
             wall_strain: Sum over the wall's particles.
-            wall_moments: Their sum of arm_ij (x) x_ij.
-            reach: Their sum of arm_ij.
+            wall_moments: Their sum of m_ij (x) x_ij [-].
+            reach: Their sum of m_ij [1/m].
             normal: Normal into the wall.
             depth: Distance from its face.
         """
@@ -101,7 +101,10 @@ def mirror_plane_kernels(types: NumericTypes) -> SimpleNamespace:
         normal_out: wp.array(dtype=vec),  # normals into the walls beside fluid particles [-], [m]
         depth_out: wp.array(dtype=real),  # distances from the faces of these walls, 0 where not flat [m], [m]
     ):
-        """Normal of the wall beside a fluid particle, and the distance from its face; 0 where it is not flat."""
+        """Normal of the wall beside a fluid particle, and the distance from its face; 0 where it is not flat.
+
+        n = sum_w (r_e - r) x_iw, normalized; the face lies half a spacing before the wall's closest particle along n.
+        """
         k = wp.tid()
         i = k + fluid.walls
         x_i = x[i]

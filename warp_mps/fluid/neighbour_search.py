@@ -47,13 +47,13 @@ def neighbour_search_kernels(types: NumericTypes) -> SimpleNamespace:
         cells: vec,
         margin: real,
         # State in:
-        x: wp.array(dtype=vec),
-        x_listed: wp.array(dtype=vec),
-        # Out:
-        points_out: wp.array(dtype=vec3),
-        stale_out: wp.array(dtype=wp.int32),
+        x: wp.array(dtype=vec),  # positions [m], [n]
+        x_listed: wp.array(dtype=vec),  # positions at which the lists were made [m], [n]
+        # State out:
+        points_out: wp.array(dtype=vec3),  # positions in cells [-], [n]
+        stale_out: wp.array(dtype=wp.int32),  # 1 if a particle has moved too far, else untouched, [1]
     ):
-        """Positions in cells, and whether any particle has moved by half of the margin since the last list."""
+        """Positions in cells, (x - low)/cell + cells, and whether a particle has moved by half of the margin."""
         i = wp.tid()
         point = vec3()
         x_i = x[i]
@@ -73,18 +73,18 @@ def neighbour_search_kernels(types: NumericTypes) -> SimpleNamespace:
         period: vec,
         walls: wp.int32,
         # State in:
-        points: wp.array(dtype=vec3),
-        x: wp.array(dtype=vec),
-        lost: wp.array(dtype=wp.int32),
-        # Out:
-        listed_out: wp.array(dtype=wp.int32, ndim=2),
-        count_out: wp.array(dtype=wp.int32),
-        x_listed_out: wp.array(dtype=vec),
-        overflow_out: wp.array(dtype=wp.int32),
-        crowded_out: wp.array(dtype=wp.int32),
-        stale_out: wp.array(dtype=wp.int32),
+        points: wp.array(dtype=vec3),  # positions in cells [-], [n]
+        x: wp.array(dtype=vec),  # positions [m], [n]
+        lost: wp.array(dtype=wp.int32),  # 1 for particles that have left the domain, else 0, [n]
+        # State out:
+        listed_out: wp.array(dtype=wp.int32, ndim=2),  # neighbours of each particle, [n, room]
+        count_out: wp.array(dtype=wp.int32),  # number of neighbours of each particle, [n]
+        x_listed_out: wp.array(dtype=vec),  # positions of the lists [m], [n]
+        overflow_out: wp.array(dtype=wp.int32),  # 1 + a particle whose list is too short, else untouched, [1]
+        crowded_out: wp.array(dtype=wp.int32),  # 1 if a list is nearly full, else untouched, [1]
+        stale_out: wp.array(dtype=wp.int32),  # 0, [1]
     ):
-        """List the neighbours of a particle; walls, which come first, are none to each other."""
+        """List the neighbours of a particle within the reach, |x_ij| < reach; wall-wall pairs are excluded."""
         i = wp.tid()
         n = wp.int32(0)
         x_i = x[i]

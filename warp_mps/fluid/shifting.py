@@ -39,13 +39,16 @@ def shifting_kernels(types: NumericTypes) -> SimpleNamespace:
         fluid: Constants,
         neighbours: Neighbours,
         # State in:
-        x: wp.array(dtype=vec),
-        way: wp.array(dtype=wp.float64),
-        surface: wp.array(dtype=wp.int32),
-        # Out:
-        shift_out: wp.array(dtype=vec),
+        x: wp.array(dtype=vec),  # positions [m], [n]
+        farthest: wp.array(dtype=wp.float64),  # displacement of the fastest particle in the step [m], [1]
+        surface: wp.array(dtype=wp.int32),  # 1 for particles of the free surface, else 0, [m]
+        # State out:
+        shift_out: wp.array(dtype=vec),  # shifts [m], [m]
     ):
-        """Shift of a fluid particle."""
+        """Shift of a fluid particle, dx_i = -SHIFT |u|_max dt sum_j (w/n0) x_ij/r, at most `LARGEST_SHIFT`.
+
+        0 for particles of the free surface and for their neighbours (Lind, Xu, Stansby & Rogers 2012).
+        """
         k = wp.tid()
         i = k + fluid.walls
         x_i = x[i]
@@ -63,7 +66,7 @@ def shifting_kernels(types: NumericTypes) -> SimpleNamespace:
                     inside = inside and surface[j - fluid.walls] == 0
         shift = vec()
         if inside:
-            shift = (real(-SHIFT) * real(way[0])) * slope
+            shift = (real(-SHIFT) * real(farthest[0])) * slope
             length = wp.length(shift)
             if length > real(LARGEST_SHIFT) * fluid.spacing:
                 shift = (real(LARGEST_SHIFT) * fluid.spacing / length) * shift

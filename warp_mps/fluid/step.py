@@ -189,7 +189,7 @@ class FluidStep:
         model.launch(kernels.collide, m, [*inputs, self.shift], [self.velocity_change])
         model.launch(kernels.collide_walls, model.walls, inputs, [state.impulse, state.work])
         inputs = [constants, self.time_step.dt, self.velocity_change, self.shift]
-        model.launch(kernels.end_step, m, inputs, [state.x, state.u, state.lost, state.stale, state.fallen])
+        model.launch(kernels.end_step, m, inputs, [state.x, state.u, state.lost, state.fallen, state.stale])
 
     def advance_clock(self) -> None:
         """End the step: advance the time, and count the step."""

@@ -31,78 +31,85 @@ def integration_kernels(types: NumericTypes) -> SimpleNamespace:
         # Model:
         fluid: Constants,
         # State in:
-        dt: wp.array(dtype=wp.float64),
-        acceleration: wp.array(dtype=vec),
-        lost: wp.array(dtype=wp.int32),
-        # State out:
-        x_out: wp.array(dtype=vec),
-        u_out: wp.array(dtype=vec),
-        impulse_out: wp.array(dtype=vec64),
-        work_out: wp.array(dtype=wp.float64),
+        dt: wp.array(dtype=wp.float64),  # time step [s], [1]
+        acceleration: wp.array(dtype=vec),  # viscous accelerations nu lap u [m/s^2], [n]
+        lost: wp.array(dtype=wp.int32),  # 1 for particles that have left the domain, else 0, [n]
+        # State in and out:
+        x: wp.array(dtype=vec),  # positions [m], [n]
+        u: wp.array(dtype=vec),  # velocities [m/s], [n]
+        impulse: wp.array(dtype=vec64),  # impulses on walls [N s], in 2-D [N s/m], [w]
+        work: wp.array(dtype=wp.float64),  # work of walls on the fluid [J], in 2-D [J/m], [w]
     ):
-        """The predictor of the fluid, and the viscous impulse on the walls, with their work."""
+        """Predictor u* = u + dt (nu lap u + g), x* = x + dt u* of the fluid (Koshizuka & Oka 1996).
+
+        The viscous impulse on a wall particle is m dt nu lap u, and its work on the fluid -impulse . u.
+        """
         i = wp.tid()
         h = real(dt[0])
         if i < fluid.walls:
             gained = (fluid.mass * dt[0]) * vec64(acceleration[i])
-            impulse_out[i] = impulse_out[i] + gained
-            work_out[i] = work_out[i] - wp.dot(gained, vec64(u_out[i]))
+            impulse[i] = impulse[i] + gained
+            work[i] = work[i] - wp.dot(gained, vec64(u[i]))
         elif lost[i] == 0:
-            u = u_out[i] + h * (fluid.gravity + acceleration[i])
-            u_out[i] = u
-            x_out[i] = x_out[i] + h * u
+            u_i = u[i] + h * (fluid.gravity + acceleration[i])
+            u[i] = u_i
+            x[i] = x[i] + h * u_i
 
     @types.kernel(METHOD)
     def correct(
         # Model:
         fluid: Constants,
         # State in:
-        dt: wp.array(dtype=wp.float64),
-        du: wp.array(dtype=vec),
-        # State out:
-        x_out: wp.array(dtype=vec),
-        u_out: wp.array(dtype=vec),
+        dt: wp.array(dtype=wp.float64),  # time step [s], [1]
+        du: wp.array(dtype=vec),  # changes of velocity by the pressure, -dt grad p / rho [m/s], [m]
+        # State in and out:
+        x: wp.array(dtype=vec),  # positions [m], [n]
+        u: wp.array(dtype=vec),  # velocities [m/s], [n]
     ):
-        """Change the velocities of the fluid, and its positions with them."""
+        """Corrector u = u* + du, x = x* + dt du of the fluid (Koshizuka & Oka 1996)."""
         k = wp.tid()
         i = k + fluid.walls
-        u_out[i] = u_out[i] + du[k]
-        x_out[i] = x_out[i] + real(dt[0]) * du[k]
+        u[i] = u[i] + du[k]
+        x[i] = x[i] + real(dt[0]) * du[k]
 
     @types.kernel(METHOD)
     def end_step(
         # Model:
         fluid: Constants,
         # State in:
-        dt: wp.array(dtype=wp.float64),
-        du: wp.array(dtype=vec),
-        shift: wp.array(dtype=vec),
+        dt: wp.array(dtype=wp.float64),  # time step [s], [1]
+        du: wp.array(dtype=vec),  # changes of velocity by collisions [m/s], [m]
+        shift: wp.array(dtype=vec),  # shifts [m], [m]
+        # State in and out:
+        x: wp.array(dtype=vec),  # positions [m], [n]
+        u: wp.array(dtype=vec),  # velocities [m/s], [n]
+        lost: wp.array(dtype=wp.int32),  # 1 for particles that have left the domain, else 0, [n]
+        fallen: wp.array(dtype=wp.float64),  # gravity times the periods that particles were wrapped by [m^2/s^2], [m]
         # State out:
-        x_out: wp.array(dtype=vec),
-        u_out: wp.array(dtype=vec),
-        lost_out: wp.array(dtype=wp.int32),
-        stale_out: wp.array(dtype=wp.int32),
-        fallen_out: wp.array(dtype=wp.float64),
+        stale_out: wp.array(dtype=wp.int32),  # 1 if a particle has left the domain, else untouched, [1]
     ):
-        """End a step: collisions and shifts, periods, and particles that have left the domain and the lists."""
+        """End a step: u = u + du, x = x + dt du + shift, wrapped into the period L: x = x - L floor((x - low)/L).
+
+        A particle that leaves the domain along an axis without a period is lost: it stays where it is, at rest.
+        """
         k = wp.tid()
         i = k + fluid.walls
-        if lost_out[i] == 1:
+        if lost[i] == 1:
             return
-        u = u_out[i] + du[k]
-        x = x_out[i] + real(dt[0]) * du[k] + shift[k]
+        u_i = u[i] + du[k]
+        x_i = x[i] + real(dt[0]) * du[k] + shift[k]
         for axis in range(wp.static(d)):
             if fluid.period[axis] > real(0.0):
-                gone = fluid.period[axis] * wp.floor((x[axis] - fluid.low[axis]) / fluid.period[axis])
-                if gone != real(0.0):
-                    x[axis] = x[axis] - gone
-                    fallen_out[k] = fallen_out[k] + wp.float64(fluid.gravity[axis] * gone)
-            elif not (x[axis] >= fluid.low[axis] and x[axis] <= fluid.high[axis]):
-                lost_out[i] = 1
-        if lost_out[i] == 1:
-            u = vec()
+                wrapped = fluid.period[axis] * wp.floor((x_i[axis] - fluid.low[axis]) / fluid.period[axis])
+                if wrapped != real(0.0):
+                    x_i[axis] = x_i[axis] - wrapped
+                    fallen[k] = fallen[k] + wp.float64(fluid.gravity[axis] * wrapped)
+            elif not (x_i[axis] >= fluid.low[axis] and x_i[axis] <= fluid.high[axis]):
+                lost[i] = 1
+        if lost[i] == 1:
+            u_i = vec()
             stale_out[0] = 1
-        x_out[i] = x
-        u_out[i] = u
+        x[i] = x_i
+        u[i] = u_i
 
     return SimpleNamespace(predict=predict, correct=correct, end_step=end_step)

@@ -35,20 +35,23 @@ def viscosity_kernels(types: NumericTypes) -> SimpleNamespace:
         # Model:
         fluid: Constants,
         neighbours: Neighbours,
-        sticks: wp.array(dtype=wp.int32),
+        no_slip: wp.array(dtype=wp.int32),  # 1 for fluid particles and no-slip walls, else 0, [n]
         # State in:
-        x: wp.array(dtype=vec),
-        u: wp.array(dtype=vec),
-        lost: wp.array(dtype=wp.int32),
-        # Out:
-        mirrored_out: wp.array(dtype=vec),
+        x: wp.array(dtype=vec),  # positions [m], [n]
+        u: wp.array(dtype=vec),  # velocities [m/s], [n]
+        lost: wp.array(dtype=wp.int32),  # 1 for particles that have left the domain, else 0, [n]
+        # State out:
+        ghost_out: wp.array(dtype=vec),  # velocities of no-slip ghost particles [m/s], [w]
     ):
-        """Velocity that the viscosity of the water sees at a wall's particle."""
+        """Velocity u_w + (u_w - u) of a no-slip ghost particle, u = sum_i w u_i / sum_i w (Adami, Hu & Adams 2012).
+
+        A free-slip wall particle keeps its own velocity u_w.
+        """
         j = wp.tid()
         u_j = u[j]
         total = vec()
         weights = real(0.0)
-        if sticks[j] == 1:
+        if no_slip[j] == 1:
             for m in range(neighbours.count[j]):
                 i = neighbours.index[j, m]
                 w = real(1 - lost[i]) * weight(wp.length(displacement(x[i], x[j], fluid.period)), fluid.radius)
@@ -56,35 +59,39 @@ def viscosity_kernels(types: NumericTypes) -> SimpleNamespace:
                 weights += w
         if weights > real(0.0):
             u_j += total / weights
-        mirrored_out[j] = u_j
+        ghost_out[j] = u_j
 
     @types.kernel(METHOD)
     def viscous_acceleration(
         # Model:
         fluid: Constants,
         neighbours: Neighbours,
-        sticks: wp.array(dtype=wp.int32),
+        no_slip: wp.array(dtype=wp.int32),  # 1 for fluid particles and no-slip walls, else 0, [n]
         # State in:
-        x: wp.array(dtype=vec),
-        u: wp.array(dtype=vec),
-        lost: wp.array(dtype=wp.int32),
-        mirrored: wp.array(dtype=vec),
-        # Out:
-        acceleration_out: wp.array(dtype=vec),
+        x: wp.array(dtype=vec),  # positions [m], [n]
+        u: wp.array(dtype=vec),  # velocities [m/s], [n]
+        lost: wp.array(dtype=wp.int32),  # 1 for particles that have left the domain, else 0, [n]
+        ghost: wp.array(dtype=vec),  # velocities of no-slip ghost particles [m/s], [w]
+        # State out:
+        acceleration_out: wp.array(dtype=vec),  # viscous accelerations [m/s^2], [n]
     ):
-        """Viscous acceleration nu lap u, of walls and fluid alike; walls without slip hold the fluid back."""
+        """Viscous acceleration nu lap u_i = nu laplacian sum_j w_ij (u_j - u_i) (Koshizuka & Oka 1996).
+
+        It is found for walls and fluid alike. No-slip walls enter with the velocities of their ghost particles;
+        free-slip walls do not enter.
+        """
         i = wp.tid()
         x_i = x[i]
         u_i = u[i]
         if i < fluid.walls:
-            u_i = mirrored[i]
+            u_i = ghost[i]
         total = vec()
         for m in range(neighbours.count[i]):
             j = neighbours.index[i, m]
-            if sticks[i] + sticks[j] == 2 and lost[j] == 0:
+            if no_slip[i] + no_slip[j] == 2 and lost[j] == 0:
                 u_j = u[j]
                 if j < fluid.walls:
-                    u_j = mirrored[j]
+                    u_j = ghost[j]
                 total += weight(wp.length(displacement(x_i, x[j], fluid.period)), fluid.radius) * (u_j - u_i)
         acceleration_out[i] = fluid.viscous_factor * total
 

@@ -53,12 +53,12 @@ def volume_kernels(types: NumericTypes) -> SimpleNamespace:
         fluid: Constants,
         neighbours: Neighbours,
         # State in:
-        x: wp.array(dtype=vec),
-        lost: wp.array(dtype=wp.int32),
-        # Out:
-        share_out: wp.array(dtype=real),
+        x: wp.array(dtype=vec),  # positions [m], [n]
+        lost: wp.array(dtype=wp.int32),  # 1 for particles that have left the domain, else 0, [n]
+        # State out:
+        ratio_out: wp.array(dtype=real),  # volumes over that of a lattice cell [-], [m]
     ):
-        """Volume of a fluid particle over that of a cell of the lattice; 0 of one that has left the domain."""
+        """Volume of a fluid particle over a lattice cell's: S0/S_i inside, 1 at the surface, 0 out of the domain."""
         k = wp.tid()
         i = k + fluid.walls
         n = real(0.0)
@@ -71,9 +71,9 @@ def volume_kernels(types: NumericTypes) -> SimpleNamespace:
                 n += weight(wp.max(r, real(CLOSEST) * fluid.spacing), fluid.radius)
                 s += smooth(r, fluid.radius)
                 near += 1
-        share = real(1 - lost[i])
+        ratio = real(1 - lost[i])
         if not is_free_surface(n, near, fluid) and s >= real(AIR) * fluid.smooth_density:
-            share = fluid.smooth_density / s
-        share_out[k] = share
+            ratio = fluid.smooth_density / s
+        ratio_out[k] = ratio
 
     return SimpleNamespace(volume_ratio=volume_ratio)

@@ -38,21 +38,20 @@ def wall_force_kernels(types: NumericTypes) -> SimpleNamespace:
         fluid: Constants,
         neighbours: Neighbours,
         # State in:
-        dt: wp.array(dtype=wp.float64),
-        x: wp.array(dtype=vec),
-        u: wp.array(dtype=vec),
-        a: wp.array(dtype=vec),
-        p: wp.array(dtype=wp.float64),
-        scale: wp.array(dtype=real),
-        along: wp.array(dtype=vec),
+        dt: wp.array(dtype=wp.float64),  # time step [s], [1]
+        x: wp.array(dtype=vec),  # positions [m], [n]
+        u: wp.array(dtype=vec),  # velocities [m/s], [n]
+        a: wp.array(dtype=vec),  # accelerations of walls [m/s^2], [n]
+        p: wp.array(dtype=wp.float64),  # pressures [Pa], [m]
+        density_scale: wp.array(dtype=real),  # density scales s [-], [m]
+        wall_gradient: wp.array(dtype=vec),  # pressure gradients along walls [Pa/m], [m]
         # State in and out:
-        impulse: wp.array(dtype=vec64),
-        work: wp.array(dtype=wp.float64),
+        impulse: wp.array(dtype=vec64),  # impulses on walls [N s], in 2-D [N s/m], [w]
+        work: wp.array(dtype=wp.float64),  # work of walls on the fluid [J], in 2-D [J/m], [w]
     ):
-        """Impulse on a wall's particle, and the wall's work.
+        """Add the impulse dt V sum_i s_i c (p_i + p_w) x_iw on a wall particle, and the wall's work -impulse . u.
 
-        It is that of the conservative scheme whatever the scheme: sums of pressure differences, by which the others
-        move the fluid, hold nothing of the level of the pressure.
+        x_iw points from the fluid particle to the wall particle. In 2-D impulse and work are per metre.
         """
         j = wp.tid()
         x_j = x[j]
@@ -66,8 +65,9 @@ def wall_force_kernels(types: NumericTypes) -> SimpleNamespace:
                 c = fluid.gradient * gradient_weight(fluid.scheme, r, fluid.radius)
                 p_i = real(p[i - fluid.walls])
                 p_j = wall_particle_pressure(p_i, fluid.density * wp.dot(fluid.gravity - a[j], x_ij), fluid.clip)
-                pressed = pair_pressure(wp.static(CONSERVATIVE), p_i, p_j, p_i) + wp.dot(along[i - fluid.walls], x_ij)
-                total += (scale[i - fluid.walls] * c * pressed) * x_ij
+                pressed = pair_pressure(wp.static(CONSERVATIVE), p_i, p_j, p_i)
+                pressed += wp.dot(wall_gradient[i - fluid.walls], x_ij)
+                total += (density_scale[i - fluid.walls] * c * pressed) * x_ij
         gained = (dt[0] * wp.float64(fluid.volume)) * vec64(total)
         impulse[j] = impulse[j] + gained
         work[j] = work[j] - wp.dot(gained, vec64(u[j]))
@@ -78,13 +78,13 @@ def wall_force_kernels(types: NumericTypes) -> SimpleNamespace:
         fluid: Constants,
         neighbours: Neighbours,
         # State in:
-        x: wp.array(dtype=vec),
-        a: wp.array(dtype=vec),
-        p: wp.array(dtype=wp.float64),
-        # Out:
-        p_out: wp.array(dtype=wp.float64),
+        x: wp.array(dtype=vec),  # positions [m], [n]
+        a: wp.array(dtype=vec),  # accelerations of walls [m/s^2], [n]
+        p: wp.array(dtype=wp.float64),  # pressures [Pa], [m]
+        # State out:
+        p_out: wp.array(dtype=wp.float64),  # pressures at wall particles [Pa], [w]
     ):
-        """Pressure of a wall's particle: the mean of what the fluid about it sees there."""
+        """Pressure at a wall particle, sum_i w (p_i + rho (g - a_w) . x_iw) / sum_i w over the fluid about it."""
         j = wp.tid()
         x_j = x[j]
         total = real(0.0)
