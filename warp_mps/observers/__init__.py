@@ -1,1 +1,1 @@
-"""What watches a run: frames, probes, progress, guard and checkpoint, each one object with a trigger."""
+"""Observers of a run: frames, probes, progress, guard and checkpoint, each one object with a trigger."""

@@ -1,4 +1,4 @@
-"""What a simulation shows to its observers, and what it asks of them.
+"""The interface of observers: the view of a run that they get, and the methods that they define.
 
 An observer of one's own::
 

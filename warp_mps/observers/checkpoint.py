@@ -1,4 +1,4 @@
-"""Checkpoints: the state of a run in a file that is either whole or not there."""
+"""Checkpoints: the state of a run in a file, written atomically, for a restart."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ from warp_mps.core.interrupts import defer_interrupts
 from warp_mps.errors import InputError, RunError
 from warp_mps.observers.base import Observer, View
 
-# raised whenever what a run goes on from changes its arrays or its meaning: 2 since implicit solids keep a coarse level
-# and water is mirrored in its walls
+# version of the format, raised whenever arrays or their meaning change: 2 since implicit solids have a coarse level and
+# water is mirrored in its walls
 VERSION = 2
 NAME = "checkpoint.npz"
 PREVIOUS = "checkpoint.prev.npz"
@@ -46,7 +46,7 @@ class Checkpoint:
 class CheckpointWriter(Observer):
     """Keeps the state at the last look, and saves it every so many seconds and at the end.
 
-    A state with a number that is not finite is never kept: the checkpoint of a run that blew up is its last good one.
+    A state with NaN is never kept: the checkpoint of a run that diverged is its last finite state.
 
     Args:
         folder: Where checkpoint.npz goes; the one before it stays as checkpoint.prev.npz.
@@ -97,7 +97,7 @@ class CheckpointWriter(Observer):
 
     def _save(self) -> None:
         if self._pending is not None:
-            # who interrupts twice in impatience must not lose the state
+            # a second interrupt must not lose the state
             with defer_interrupts():
                 for path in self._results:
                     _sync(path)
@@ -130,7 +130,7 @@ def save_checkpoint(folder: Path, fingerprint: str, checkpoint: Checkpoint) -> N
         os.replace(temporary, newest)
         _sync(folder)
     except OSError as error:
-        # a part of a checkpoint is of no use, and the disk may be full
+        # an incomplete checkpoint is useless, and the disk may be full
         with contextlib.suppress(OSError):
             temporary.unlink(missing_ok=True)
         raise RunError(f"{newest}: cannot be written: {error.strerror}") from error
@@ -147,7 +147,7 @@ def load_checkpoint(
         announce: Called with a message if the newest is damaged and the one before it is taken.
 
     Raises:
-        InputError: There is none, or it belongs to another case or another version of the format.
+        InputError: There is no checkpoint, or it belongs to another case or another version of the format.
     """
     found = [path for path in (Path(folder) / NAME, Path(folder) / PREVIOUS) if path.exists()]
     if not found:
@@ -169,7 +169,7 @@ def _read(path: Path, fingerprint: str) -> Checkpoint | None:
         metadata = json.loads(str(entries.pop(METADATA)))
         arrays = {name.removeprefix(PREFIX): array for name, array in entries.items()}
         checksum = metadata.pop("sha256")
-    except Exception:  # bytes at random make the readers of a zip file and of an array raise almost anything
+    except Exception:  # damaged bytes can make the readers of zip files and of arrays raise almost any exception
         return None
     if metadata.get("version") != VERSION:
         text = f"has format version {metadata.get('version')}, this program reads {VERSION}; start a new run"
@@ -190,7 +190,7 @@ def _entries(metadata: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -> d
 
 
 def _write(file: IO[bytes], entries: Mapping[str, Any]) -> None:
-    """Write what `numpy.load` reads, without the time of day: a zip file cannot hold one before 1980, or after 2107."""
+    """Write a file for `numpy.load` without time stamps: a zip file cannot hold one before 1980, or after 2107."""
     with zipfile.ZipFile(file, "w") as archive:
         for name, array in entries.items():
             with archive.open(zipfile.ZipInfo(name + ".npy"), "w", force_zip64=True) as entry:
@@ -208,10 +208,10 @@ def _digest(metadata: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -> st
 
 
 def _sync(path: Path) -> None:
-    """Make a file, or the names in a folder, last through a power failure, where the system can.
+    """Flush a file, or the names in a folder, to the disk, where the system can.
 
     Raises:
-        OSError: There is no such file any more, or the disk refuses what it was given.
+        OSError: The file is gone, or the disk reports an error.
     """
     if os.name == "posix":
         handle = os.open(path, os.O_RDONLY)

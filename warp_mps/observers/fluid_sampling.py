@@ -1,4 +1,4 @@
-"""Evaluation of probes in fluids, whose particles come and go: everything is found anew among the present positions.
+"""Evaluation of probes in fluids: particles come and go, so neighbours are found among the present positions.
 
 With the weight w(r) = (1 - r/r_e)^2 of the effective radius r_e, at a point x that stays in space or moves with a wall:
 

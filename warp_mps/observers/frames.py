@@ -20,7 +20,7 @@ class FrameRecorder(Observer):
         particles: Its particles.
         every: Steps between two frames.
         provenance: Where the result comes from, e.g. the case, the versions and the time step.
-        resume_after: Continues an existing file after this time [s]; later frames are dropped. None starts anew.
+        resume_after: Continues an existing file after this time [s]; later frames are dropped. None starts a new one.
 
     Raises:
         InputError: The path does not end in ``.usdc``, or there is no file to continue.

@@ -1,4 +1,4 @@
-"""The guard: stops a run whose numbers are no longer those of a solution."""
+"""The guard: stops a run that has diverged, by NaN or by growing energy."""
 
 from __future__ import annotations
 
@@ -7,15 +7,15 @@ import numpy as np
 from warp_mps.errors import RunError
 from warp_mps.observers.base import Observer, View
 
-# Energy may come from nowhere up to this part of what motion and deformation have held, or of the work put in.
+# The energy balance may grow by this part of the largest kinetic, elastic and contact energy, or of the work.
 ALLOWED_GROWTH = 0.1
-# Single precision keeps 1e-7 of a position; over the steps of a run, a resting scene's potential energy in gravity
-# wanders by some tens of that.
+# Positions have a relative rounding of 1e-7 in single precision; over a run, the potential energy of a scene at rest
+# drifts by some tens of that.
 ROUNDING = 1e-5
 
 
 class Guard(Observer):
-    """Stops a run when a number is not finite, or when energy appears from nowhere.
+    """Stops a run when a position or velocity is NaN or infinite, or when its energy balance grows.
 
     The energy balance (held, less work, plus dissipated) is constant in an exact solution. An unstable step makes it
     grow exponentially, and then it soon is as large as the kinetic and elastic energy themselves; the error of a good
@@ -24,8 +24,8 @@ class Guard(Observer):
     Args:
         every: Steps between two looks.
         time_step: Time step of the run [s], for the message.
-        energy: Whether to look at the energy; in statics its balance is as exact as the load steps are small, and the
-            solver has its own word on what is no solution.
+        energy: Whether to check the energy; in statics its balance is only as exact as the load steps are small, and
+            the solver reports by itself where it fails.
     """
 
     def __init__(self, *, every: int, time_step: float, energy: bool = True) -> None:
@@ -40,7 +40,7 @@ class Guard(Observer):
         """Look at positions, velocities and energies.
 
         Raises:
-            RunError: A number is not finite, or energy has grown out of nowhere.
+            RunError: A position or velocity is not finite, or the energy balance has grown.
         """
         self._check_finite(view)
         if self._look_at_energy:
@@ -66,7 +66,7 @@ class Guard(Observer):
             fastest = int(np.argmax(np.linalg.norm(view.velocities, axis=1)))
             speed = float(np.linalg.norm(view.velocities[fastest]))
             raise RunError(
-                f"the energy has grown by {growth:.3g} {unit} out of nowhere (largest kinetic, elastic and contact "
+                f"the energy balance has grown by {growth:.3g} {unit} (largest kinetic, elastic and contact "
                 f"energy or work: {self._largest:.3g} {unit}) at {self._when(view)}; the fastest particle is "
                 f"{view.particles.describe(fastest)} at {speed:.3g} m/s; {self._cause(view)}"
             )
@@ -81,7 +81,7 @@ class Guard(Observer):
 
 
 def _slack(view: View) -> float:
-    """Energy that a fluid at rest may wander by: its particles settle by parts of a spacing."""
+    """Energy by which a fluid at rest may drift: its particles settle by parts of a spacing."""
     particles = view.particles
     if not particles.liquid:
         return 0.0

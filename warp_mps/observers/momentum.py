@@ -1,4 +1,4 @@
-"""The account of momentum: what the particles exchange among themselves must add up to nothing."""
+"""Conservation of momentum: the internal forces of the particles must sum up to zero."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from warp_mps.observers.base import Observer, View
 class MomentumMonitor(Observer):
     """Keeps the largest resultant of the internal forces, relative to the sum of their magnitudes.
 
-    The internal forces are what is left of the total force on every particle after its weight and the loads.
+    The internal force on a particle is the total force less its weight, loads and body forces.
 
     Args:
         every: Steps between two looks.

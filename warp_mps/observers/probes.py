@@ -23,7 +23,7 @@ class ProbeRecorder(Observer):
         scene: The case.
         particles: Its particles.
         every: Steps between two rows.
-        resume_after: Continues an existing file after this time [s]; later rows are dropped. None starts anew.
+        resume_after: Continues an existing file after this time [s]; later rows are dropped. None starts a new one.
 
     Raises:
         InputError: A probe is in no body, or the file to continue is missing, has other columns, or ends too early.

@@ -9,12 +9,12 @@ import numpy as np
 from warp_mps.observers.base import View
 from warp_mps.particles.particles import Particles
 
-# particles of the wall that are looked at: few are enough, for a wall is rigid
+# particles of the wall that are used: few are enough, since a wall is rigid
 LOOKED_AT = 64
 
 
 def rigid_point(particles: Particles, wall: str, point: np.ndarray) -> Callable[[View], np.ndarray]:
-    """A function that tells where the point of a wall is at a moment.
+    """A function for the position of a point of a wall at a moment.
 
     Args:
         particles: The particles.

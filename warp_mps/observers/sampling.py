@@ -1,4 +1,4 @@
-"""Evaluation of probes: everything that depends on the reference configuration alone is found once."""
+"""Evaluation of probes: neighbours and weights in the reference configuration are found once."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""What a run leaves behind: summary, history, measurements, settings, energies. Knows no method."""
+"""Results of a run: summary, history, measurements, settings, energies; independent of the method."""

@@ -1,4 +1,4 @@
-"""Files that are either whole or not there."""
+"""Files that are written atomically."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ def write_whole(path: str | Path, text: str) -> None:
     """Write a text file in one atomic step.
 
     Raises:
-        OSError: It cannot be written; what was there stays, and nothing is left beside it.
+        OSError: It cannot be written; an existing file stays, and no temporary file is left.
     """
     path = Path(path)
     temporary = path.with_name(f".{path.name}.new")

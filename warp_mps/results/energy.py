@@ -1,4 +1,4 @@
-"""The energies of a scene at one moment, and the sum of them that must stay constant."""
+"""The energies of a scene at one moment, and the balance that an exact solution conserves."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ ENERGY_NAMES = {
     "work": "work",
     "dissipated": "dissipated",
 }
-"""Fields of :class:`Energy` and what a person calls them, in the order of the columns of probes.csv."""
+"""Fields of :class:`Energy` and their labels, in the order of the columns of probes.csv."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -24,9 +24,9 @@ class Energy:
         elastic: Stored in the bodies.
         contact: Stored in contacts between particles.
         potential: In gravity, measured from any fixed level.
-        work: Done so far on the particles by loads, moving supports and walls.
+        work: Done so far on the particles by loads, body forces, moving supports and walls.
         dissipated: Taken out so far by damping, friction and viscous materials of the bodies, counted in every step.
-            What fluids lose by viscosity and impacts is not in it, for nothing counts it.
+            Losses of fluids by viscosity and impacts are not counted.
     """
 
     kinetic: float

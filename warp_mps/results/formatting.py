@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-# a relative error that is smaller is one of rounding
+# smaller relative errors are rounding
 ROUNDING = 1e-13
 
 
 def percent(value: float | None) -> str:
-    """A relative error as text; nothing where there is none."""
+    """A relative error as text; empty for None."""
     if value is None:
         return ""
     if abs(value) < ROUNDING:

@@ -1,4 +1,4 @@
-"""The history of a run: what probes.csv holds, a time and the probes and energies at that time in every row."""
+"""The history of a run, probes.csv: every row has a time, and the probes and energies at that time."""
 
 from __future__ import annotations
 

@@ -7,7 +7,7 @@ y(t) is the chosen component of the probe between the measurement's start and en
   second mode of relative amplitude e that is twice as fast or more shifts it by less than about 0.3 e / periods^2.
 - ``period``: 2 pi / omega of that fit [s].
 - ``amplitude``: sqrt(A^2 + B^2) of that fit.
-- ``offset``: C of that fit: what an oscillation goes around, whether or not the window holds whole periods.
+- ``offset``: C of that fit: the mean of an oscillation, whether or not the window holds whole periods.
 - ``mean``: 1/(t_m - t_1) times the integral of y, by the trapezoidal rule.
 - ``minimum``, ``maximum``: the least and the greatest y(t_k).
 - ``midrange``, ``half_range``: half of their sum, and of their difference.
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from warp_mps.scene import Measurement
 
 CONTACT_THRESHOLD = 1e-9
-# What a fit with one frequency leaves, as a part of the whole, below which a second one would fit noise.
+# Relative residual of the fit with one frequency below which a second frequency would fit noise.
 NOTHING_LEFT = 1e-9
 
 

@@ -16,7 +16,7 @@ GOLDEN = 0.5 * (np.sqrt(5.0) - 1.0)
 SCAN_BINS = 2.0
 SCAN_STEPS = 160
 PADDING = 8
-# Below this distance, in bins, two sinusoids cannot be told apart over the record.
+# Smallest distance of two sinusoids that the record can separate [bins].
 LEAST_DISTANCE = 0.25
 LEAST_SAMPLES = 8
 

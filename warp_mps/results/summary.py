@@ -1,4 +1,4 @@
-"""The summary of a run, run.json: what ran, how it ended, how fast it was, and what was measured."""
+"""The summary of a run, run.json: the case, how the run ended, its speed, and its measurements."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ STATUSES = ("running", "done", "failed")
 
 @dataclass(kw_only=True)
 class RunSummary:
-    """What run.json holds.
+    """Contents of run.json.
 
     Attributes:
         case: Name of the case.
@@ -40,13 +40,13 @@ class RunSummary:
         time: Simulated time [s].
         wall_seconds: Wall time of the steps since the start, or since the last time the run was resumed [s].
         particle_steps_per_second: Speed over that time [1/s], under ``solid`` and ``fluid``.
-        energy: Energies at the end, what is ``unaccounted`` for, and ``drift``, None with fluids; see
+        energy: Energies at the end, the ``unaccounted`` loss, and ``drift``, None with fluids; see
             :func:`energy_record`.
         momentum_error: Largest resultant of the internal forces in a frame since then, as a part of the largest sum of
             their magnitudes [-].
         fluid: Of fluids, particles `lost`, iterations and largest true residual of the pressure solves, and how many
             stayed `unsolved`.
-        implicit: Of a static analysis and of implicit steps, what the solvers did: `equilibria` solved,
+        implicit: Of a static analysis and of implicit steps, statistics of the solvers: `equilibria` solved,
             Newton iterations, iterations of the linear solver, renewals of its coarse level, largest residual
             relative to the forces.
         coupling: Of water and bodies together: mean and largest number of fixed-point `passes` of a step, steps
@@ -76,17 +76,17 @@ class RunSummary:
     measurements: list[dict[str, Any]] = field(default_factory=list)
 
     def __str__(self) -> str:
-        """A few lines: how far it came, how fast, its energies at the end, and its measurements."""
+        """A few lines: simulated time, speed, energies at the end, and measurements."""
         return outline(self)
 
     def write(self, path: str | Path) -> None:
-        """Write run.json in one atomic step; a number that is not finite becomes null."""
+        """Write run.json in one atomic step; NaN and infinity become null."""
         text = json.dumps(_finite(dataclasses.asdict(self)), indent=2, allow_nan=False)
         write_whole(path, text + "\n")
 
 
 def read_summary(path: str | Path) -> RunSummary:
-    """Read run.json; keys that this version does not know are passed over.
+    """Read run.json; unknown keys are ignored.
 
     Raises:
         InputError: The file is missing or is not the summary of a run.
@@ -168,7 +168,7 @@ def _row(measurement: Measurement, history: History) -> dict[str, Any]:
 
 
 def _finite(value: Any) -> Any:
-    """The same structure with None for every number that is not finite, which JSON cannot hold."""
+    """The same structure with None for NaN and infinity, which JSON cannot hold."""
     if isinstance(value, dict):
         return {key: _finite(item) for key, item in value.items()}
     if isinstance(value, list | tuple):
@@ -179,7 +179,7 @@ def _finite(value: Any) -> Any:
 
 
 def outline(summary: RunSummary) -> str:
-    """What a run did, its energies at the end, and its measurements, a line each."""
+    """Headline of a run, its energies at the end, and its measurements, a line each."""
     unit = "J/m" if summary.dimension == 2 else "J"
     reason = f" ({summary.reason})" if summary.reason else ""
     energies = {name: value for name, value in summary.energy.items() if value and name != "drift"}
@@ -205,7 +205,7 @@ def _measured(row: dict[str, Any]) -> str:
 
 
 def headline(summary: RunSummary) -> str:
-    """How far a run came, how fast, and how accurate it was."""
+    """Steps, simulated time, speed and accuracy of a run in a line."""
     speed = sum(value or 0.0 for value in summary.particle_steps_per_second.values())
     return (
         f"{summary.case}: {summary.steps} steps, {summary.time:.6g} s simulated in {duration(summary.wall_seconds)} "
@@ -214,7 +214,7 @@ def headline(summary: RunSummary) -> str:
 
 
 def _account(summary: RunSummary) -> str:
-    """What tells of the accuracy of a run: its energy, or with fluids, which lose some, the pressure solves."""
+    """Accuracy of a run: its energy drift, or with fluids, which dissipate, statistics of the pressure solves."""
     if not summary.fluid:
         return f"energy drift {percent(summary.energy.get('drift'))}"
     lost, unsolved = (int(summary.fluid.get(name, 0)) for name in ("lost", "unsolved"))

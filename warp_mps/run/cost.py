@@ -1,4 +1,4 @@
-"""What a run will take, known before anything is allocated: particles, memory, steps, time."""
+"""Cost of a run, estimated before anything is allocated: particles, memory, steps, wall time."""
 
 from __future__ import annotations
 
@@ -19,53 +19,54 @@ from warp_mps.scene import Body, Scene
 from warp_mps.scene.validation.rules import kind_of
 from warp_mps.scene.validation.scene import place
 
-# seconds a particle-step and neighbour on one CPU core, as the benchmark measures it (2-D, 3-D)
+# wall time per particle-step and neighbour on one CPU core, as the benchmark measures it [s] (2-D, 3-D)
 SECONDS_PER_PAIR = {"springs": {2: 12e-9, 3: 28e-9}, "hamiltonian": {2: 7e-9, 3: 9e-9}}
-# times as long with a retardation time
+# factor of that with a retardation time (2-D, 3-D)
 VISCOUS = {2: 2.6, 3: 3.7}
-# seconds more a particle-step, walls included, where bodies can touch, and where they rub (2-D, 3-D)
+# additional wall time per particle-step, walls included, of contact, and of friction [s] (2-D, 3-D)
 SECONDS_OF_CONTACT = {2: 15e-9, 3: 25e-9}
 SECONDS_OF_FRICTION = {2: 13e-9, 3: 28e-9}
-# seconds that a step of fluids takes a particle, walls included, on one CPU core (2-D, 3-D): tanks of 2000 to 70000
+# wall time per particle-step of fluids, walls included, on one CPU core [s] (2-D, 3-D): tanks of 2000 to 70000
 # particles took 0.8 to 1.1 and 0.7 to 1.8 us
 SECONDS_PER_FLUID_STEP = {2: 1.2e-6, 3: 1.6e-6}
-# bytes that a particle of a scene of fluids takes, walls and what the water sees of bodies included; tanks of 0.04 and
-# 0.13 million particles were measured to need 1610 in 2-D and 1930 in 3-D, and less where most are of walls; where
-# clusters make lists grow, which dam breaks have not, twice the room takes 1000 and 1600 more
+# memory per particle of a scene of fluids, walls and markers of bodies included [bytes] (2-D, 3-D); tanks of 0.04 and
+# 0.13 million particles took 1610 in 2-D and 1930 in 3-D, and less where most are of walls; neighbour lists that have
+# to grow to twice the room, which dam breaks do not need, take 1000 and 1600 more
 BYTES_OF_FLUID = {2: 1700, 3: 2100}
-# bytes that a particle of a body and a pair take (2-D, 3-D); blocks of 0.16 and 0.04 million particles were measured to
-# need 1200 and 1820 a particle, at the peak, where these figures give 1220 and 1860
+# memory per particle of a body, and per pair [bytes] (2-D, 3-D); blocks of 0.16 and 0.04 million particles took 1200
+# and 1820 a particle at the peak, where these figures give 1220 and 1860
 BYTES_PER_PARTICLE = {2: 900, 3: 1000}
 BYTES_PER_PAIR = {2: 40, 3: 48}
-# bytes more a particle where bodies of equal spacing can touch, and where they rub; 320 and 550, 450 and 920 measured
+# additional memory per particle of contact between bodies of equal spacing, and of friction [bytes] (2-D, 3-D); 320 and
+# 550, 450 and 920 measured
 BYTES_OF_CONTACT = {2: 350, 3: 450}
 BYTES_OF_FRICTION = {2: 560, 3: 930}
-# bytes more a particle that water sees of a body, mostly what the passes have shown of earlier ones; columns of water
-# against blocks were measured to need 3800 to 8100 in 2-D and 8900 in 3-D
+# additional memory per marker of a body in water, mostly of the interface quasi-Newton method [bytes] (2-D, 3-D);
+# columns of water against blocks took 3800 to 8100 in 2-D and 8900 in 3-D
 BYTES_OF_MARKER = {2: 8500, 3: 10000}
 
-# bytes of a particle in a frame: position, velocity and pressure, and the outputs
+# size of a particle in a frame: position, velocity and pressure, and the outputs [bytes]
 BYTES_OF_FRAME = 28
 BYTES_OF_OUTPUT = {"stress": 72, "strain": 72, "von_mises": 4, "strain_energy": 4}
-# every save leaves the tables of the one before in the file: bytes of them, and of a sample in them, and what may be
-# left beyond as much as counts (`warp_mps.usd.animation.points_file`); series of samples of each body, wall and fluid
+# every save leaves the tables of the previous one in the file: their size, that of a sample in them, and the most that
+# is left beyond the content (`warp_mps.usd.animation.points_file`) [bytes]; time samples of each body, wall and fluid
 BYTES_OF_SAVE, BYTES_OF_SAMPLE, MOST_LEFT, SERIES = 1200, 10, 2**20, 4
 
-# bytes more a particle where equations are solved for the displacements; 1150 and 1850 measured, of which aggregates
-# take 490 and 730, most of it while they are gathered
+# additional memory per particle of implicit steps and statics [bytes] (2-D, 3-D); 1150 and 1850 measured, of which
+# aggregates take 490 and 730, most of it during setup
 BYTES_OF_SOLVER = {2: 1200, 3: 2000}
-# of a solve: Newton iterations of a load step and of a time step, an iteration of the linear solver in units of an
-# explicit step, and how many there are of these: squares and cubes of 1400 to 96000 particles took 27 to 91, and
-# 30 to 49, as many as ever up to so many particles
+# Newton iterations of a load step and of a time step; cost of an iteration of the linear solver in units of an explicit
+# step; linear iterations, and the number of particles above which they grow: squares and cubes of 1400 to 96000
+# particles took 27 to 91, and 30 to 49
 NEWTON = {"static": 6.0, "dynamic": 2.0}
 PRODUCT, LINEAR, LINEAR_PARTICLES = 1.5, 40.0, 10_000
-# pressure solves of a step until water and bodies agree, the larger part of it
+# coupling passes of a step, each with a pressure solve, which is the larger part of it
 PASSES = 3.0
 
 
 @dataclass(frozen=True, kw_only=True)
 class Cost:
-    """What a run will take.
+    """Estimated cost of a run.
 
     Attributes:
         particles: Number of particles of each body and wall, at most.
@@ -91,7 +92,7 @@ class Cost:
 
 
 def estimate(scene: Scene) -> Cost:
-    """Estimate what a run of a scene takes.
+    """Estimate the cost of a run of a scene.
 
     Raises:
         InputError: A body cannot be filled, or fluids need more memory than there is, or their domain leaves them out.
@@ -122,10 +123,10 @@ def estimate(scene: Scene) -> Cost:
 
 
 def _products(scene: Scene, particles: int) -> float:
-    """Explicit steps that a step with solved equations takes as long as."""
+    """Cost of an implicit step in equivalent explicit steps."""
     iterations = LINEAR * max(1.0, particles / LINEAR_PARTICLES) ** (1.0 / scene.dimension)
     if scene.analysis == "dynamic" and scene.time_step is not None:
-        # the inertia of a short step makes its equation easy
+        # short steps are dominated by inertia, so that few linear iterations are needed
         explicit = min(stable_time_step(body, scene) for body in scene.bodies)
         iterations = min(iterations, 1.0 + 2.0 * scene.time_step / explicit)
     return PRODUCT * NEWTON[scene.analysis] * iterations
@@ -135,7 +136,7 @@ def _estimate_fluids(scene: Scene) -> Cost:
     from warp_mps.fluid.domain import domain
     from warp_mps.fluid.time_step import step_limit
 
-    refuse_too_large(scene)  # for the fall of the particles, which says how long a step can be, they must be filled
+    refuse_too_large(scene)  # before the fluid is filled, which its time step depends on
     clock, filled = Clock(scene), fill_scene(scene)
     particles = dict(zip(filled.names, np.diff(filled.ranges, axis=1).ravel().tolist(), strict=True))
     domain(scene, filled)  # refuses what a run would refuse
@@ -157,7 +158,7 @@ def _estimate_fluids(scene: Scene) -> Cost:
 
 
 def _of_bodies(scene: Scene, particles: Particles) -> float:
-    """Seconds that the elastic bodies take in a step of the water about them."""
+    """Wall time of the elastic bodies in a step of the fluid around them [s]."""
     from warp_mps.coupling.integrator_choice import stable_step, substep, takes_implicit_steps
     from warp_mps.fluid.time_step import longest_step
 
@@ -198,7 +199,7 @@ def memory_of(scene: Scene, particles: Mapping[str, int]) -> float:
     own = BYTES_PER_PARTICLE[d] + BYTES_PER_PAIR[d] * pairs + (BYTES_OF_SOLVER[d] if implicit else 0)
     dry = total - sum(particles[fluid.name] for fluid in scene.fluids)
     wet = total - elastic if scene.fluids else 0
-    # walls beside bodies alone are kept as bodies are
+    # without fluids, walls take as much memory as bodies
     solid = elastic if scene.fluids else total
     seen = sum(particles[body.name] / _finer(scene, body) ** d for body in scene.bodies) if scene.fluids else 0.0
     water = wet * BYTES_OF_FLUID[d] + seen * (BYTES_OF_FLUID[d] + BYTES_OF_MARKER[d])
@@ -212,12 +213,12 @@ def _follows_implicitly(scene: Scene) -> bool:
 
 
 def _finer(scene: Scene, body: Body) -> int:
-    """How many particles of a body lie along an edge of one of the water."""
+    """Particles of a body along a spacing of the fluid."""
     return max(1, round(scene.fluids[0].spacing / body.spacing))
 
 
 def _contact_of(scene: Scene, touching: Mapping[int, float], rubbing: Mapping[int, float]) -> float:
-    """What contact takes more a particle: the first where bodies can touch, and the second where they rub."""
+    """Additional cost of contact per particle: the first where bodies can touch, and the second with friction."""
     several = len(scene.bodies) + len(scene.walls) > 1
     if scene.contact.between == "none" or not (several or scene.contact.between == "all"):
         return 0.0
@@ -226,7 +227,7 @@ def _contact_of(scene: Scene, touching: Mapping[int, float], rubbing: Mapping[in
 
 
 def refuse_too_large(scene: Scene) -> None:
-    """Refuse a run that needs more memory than there is, before any of it is taken.
+    """Refuse a run that needs more memory than is available, before any of it is allocated.
 
     Raises:
         InputError: It does; the line names the largest body.

@@ -16,9 +16,9 @@ NAME = ".lock"
 def lock_folder(folder: Path) -> Iterator[None]:
     """Keep other runs out of a folder, which is made if need be.
 
-    The lock is the system's (flock), so that it ends with the process, however that dies. Where the system or the
-    file system has none, and where the folder cannot be written, there is no lock. Nothing is left behind: neither the
-    file that is locked nor, if it is still empty, a folder that was made.
+    The lock is the system's (flock), so that it ends with the process, however that ends. A system or a file system
+    without locks, and a folder that cannot be written, are used without one. The lock file is removed, and so is a
+    folder that was made and is still empty.
 
     Raises:
         InputError: Another run is at work in the folder.
@@ -30,8 +30,8 @@ def lock_folder(folder: Path) -> Iterator[None]:
             yield
         finally:
             if handle is not None:
-                # removed while it is still held: who waits with the old file in hand finds that it is gone;
-                # where it cannot be removed it is in nobody's way
+                # removed while it is still held: a process that waits with the old file open finds it removed;
+                # a lock file that cannot be removed does no harm
                 with contextlib.suppress(OSError):
                     (folder / NAME).unlink()
                 os.close(handle)
@@ -42,7 +42,7 @@ def lock_folder(folder: Path) -> Iterator[None]:
 
 
 def is_locked(folder: Path) -> bool | None:
-    """Whether a run is at work in a folder; None where the system has no locks that could tell."""
+    """Whether a run is at work in a folder; None if the system has no locks."""
     try:
         import fcntl
     except ImportError:  # Windows
@@ -71,7 +71,7 @@ def _make(folder: Path) -> list[Path]:
         if part.exists():
             break
         missing.append(part)
-    # whoever needs the folder says why it cannot be made
+    # a later write reports why the folder cannot be made
     with contextlib.suppress(OSError):
         folder.mkdir(parents=True, exist_ok=True)
     return missing
@@ -101,8 +101,10 @@ def _lock(folder: Path) -> int | None:
         except BlockingIOError:
             holder = os.read(handle, 20).decode(errors="replace").strip()
             os.close(handle)
-            who = f"process {holder}" if holder.isdigit() else "another process"
-            raise InputError(str(folder), "", f"is in use by the run of {who}; give another folder or wait") from None
+            holding = f"process {holder}" if holder.isdigit() else "another process"
+            raise InputError(
+                str(folder), "", f"is in use by the run of {holding}; give another folder or wait"
+            ) from None
         except OSError:  # a file system without locks, or a full one
             os.close(handle)
             return None

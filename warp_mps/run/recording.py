@@ -44,7 +44,7 @@ class Recording:
         observers: Observers of the user, called after those that record.
 
     Raises:
-        InputError: A probe is in no body, an observer of the user is none, or results to continue do not fit.
+        InputError: A probe is in no body, an observer of the user is invalid, or results to continue do not match.
         OSError: The folder cannot be written.
     """
 

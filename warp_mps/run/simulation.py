@@ -156,12 +156,12 @@ class Simulation(Readings):
 
     @property
     def steps_done(self) -> int:
-        """Number of time steps done, of fluids those within the intervals."""
+        """Number of time steps done; of fluids, those within the steps of the run."""
         return int(self.fluids.state.steps.numpy()[0]) if self.scene.fluids else self.step
 
     @property
     def longest_step(self) -> tuple[float, float]:
-        """The longest time step that may be taken, and what is stable [s]."""
+        """The longest time step that may be taken, and the stability limit [s]."""
         if self.scene.fluids:
             limit = self.fluids.model.step_limit
             return min(self.scene.time_step or limit, limit), limit
@@ -206,7 +206,7 @@ class Simulation(Readings):
         return device_arrays(self.solid if self.scene.bodies else None, self.fluids if self.scene.fluids else None)
 
     def synchronize(self) -> None:
-        """Wait for the device to finish what it was given."""
+        """Wait until the device has finished all launches."""
         import warp as wp
 
         wp.synchronize_device(self._device)

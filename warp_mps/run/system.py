@@ -1,4 +1,4 @@
-"""What a run is made of: the elastic bodies of a scene, or its fluids, as the simulation sees either."""
+"""Interface of the simulation to the method of a scene: elastic bodies, fluids, or both coupled."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ class System(Protocol):
     """Particles that move together; quantities are float64 host arrays in the order of the particles."""
 
     def start(self) -> None:
-        """Evaluate what the first step begins with."""
+        """Evaluate the forces or neighbours of the initial state."""
 
     def displacements(self) -> np.ndarray:
         """Displacements u = x - X [m], shape [n, d]."""
@@ -46,7 +46,7 @@ class System(Protocol):
         """Forces of contact, and of fluids on walls [N], shape [n, d]."""
 
     def internal_forces(self) -> np.ndarray:
-        """What the particles exert on each other [N], shape [n, d]."""
+        """Forces of the particles on each other [N], shape [n, d]."""
 
     def elastic_torques(self) -> np.ndarray:
         """Elastic torques on the particles' own rotation [N m], shape [n, 1] in 2-D and [n, 3] in 3-D."""
@@ -58,7 +58,7 @@ class System(Protocol):
         """Energies of all particles."""
 
     def trouble(self) -> str | None:
-        """Why the run cannot go on, if it cannot; without the time."""
+        """Why the run must stop, without the time; None if it need not."""
 
     def arrays(self) -> dict[str, np.ndarray]:
         """Everything that evolves, for a checkpoint."""
@@ -68,7 +68,7 @@ class System(Protocol):
 
 
 class PacedSystem(System, Protocol):
-    """A system that decides within a step of the run how it goes on, so that no such step is replayed as a whole."""
+    """A system that decides on the host how a step of the run proceeds, so that no step is one replayed graph."""
 
     def advance(self, time: float) -> object:
         """Advance to a time [s], or in statics to a load factor.
@@ -78,4 +78,4 @@ class PacedSystem(System, Protocol):
         """
 
     def record(self) -> dict[str, dict[str, float]]:
-        """What its solvers did so far, by the field of `warp_mps.results.summary.RunSummary` that holds it."""
+        """Statistics of its solvers, by the field of `warp_mps.results.summary.RunSummary` that holds them."""
