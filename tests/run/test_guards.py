@@ -245,9 +245,7 @@ def test_a_fluid_whose_energy_grows(
 
     poke(monkeypatch, 0.055, stir)
     line = failed(still_water(), tmp_path, capsys)
-    assert re.search(
-        rf"the energy balance has grown by .*; the fastest particle is {PLACE} at .* m/s; the flow", line
-    )
+    assert re.search(rf"the energy balance has grown by .*; the fastest particle is {PLACE} at .* m/s; the flow", line)
 
 
 def test_a_fluid_whose_steps_collapse(
