@@ -1,7 +1,7 @@
-"""Neighbour lists, found with `wp.HashGrid` and stored, so that no method's kernel searches.
+"""Neighbour lists, found with `wp.HashGrid` and stored, so that the kernels of a method never search.
 
-A list has a row a particle: entries `start[i]` to `start[i + 1]` of `index`, sorted by neighbour, so that the sums over
-a row do not depend on how the grid happened to order its cells.
+A list has a row for each particle: entries `start[i]` to `start[i + 1]` of `index`, sorted by neighbour, so that the
+sums over a row do not depend on the order of the cells in the grid.
 """
 
 import functools
@@ -24,15 +24,16 @@ def neighbour_kernels(types: NumericTypes) -> SimpleNamespace:
 
     @types.kernel(METHOD)
     def count(
-        # Grid:
+        # Model:
         grid: wp.uint64,
         points: wp.array(dtype=vec3),
         groups: wp.array(dtype=wp.int32),
         reach: wp.array(dtype=real),
         cell: real,
-        # Out:
+        # State out:
         counts_out: wp.array(dtype=wp.int32),
     ):
+        """Number of neighbours: particles of the same group with |x_ij| < (r_e,i + r_e,j) / 2."""
         i = wp.tid()
         found = wp.int32(0)
         for j in wp.hash_grid_query(grid, points[i], cell):
@@ -43,16 +44,17 @@ def neighbour_kernels(types: NumericTypes) -> SimpleNamespace:
 
     @types.kernel(METHOD)
     def fill(
-        # Grid:
+        # Model:
         grid: wp.uint64,
         points: wp.array(dtype=vec3),
         groups: wp.array(dtype=wp.int32),
         reach: wp.array(dtype=real),
         cell: real,
         start: wp.array(dtype=wp.int32),
-        # Out:
+        # State out:
         index_out: wp.array(dtype=wp.int32),
     ):
+        """Row of the list: the neighbours of a particle, sorted."""
         i = wp.tid()
         first = start[i]
         last = first
@@ -70,7 +72,7 @@ def neighbour_kernels(types: NumericTypes) -> SimpleNamespace:
 
 
 def make_grid(extent: np.ndarray, cell: float, *, types: NumericTypes, device: Any) -> wp.HashGrid:
-    """A hash grid whose cells span a domain: cells as wide as the search radius, one out of the plane in 2-D.
+    """A hash grid that spans a domain, with cells as wide as the search radius, and one out of the plane in 2-D.
 
     Args:
         extent: Size of the domain [m], shape [d].
@@ -78,7 +80,7 @@ def make_grid(extent: np.ndarray, cell: float, *, types: NumericTypes, device: A
         types: Number types.
         device: Warp device.
     """
-    # cells alias beyond the grid, which costs time but no correctness: very large domains need no very large grids
+    # cells beyond the grid alias, which is correct but slower: a very large domain gets a smaller grid
     cells = [int(np.clip(np.ceil(length / cell) + 1, 1, 2048 if types.dimension == 2 else 256)) for length in extent]
     dims = (*cells, 1) if types.dimension == 2 else tuple(cells)
     return wp.HashGrid(*dims, device=device, dtype=types.real)
@@ -94,7 +96,7 @@ def reference_neighbours(
 ) -> tuple[wp.array, wp.array]:
     """All pairs of a reference configuration that are closer than their mean reach, as a list.
 
-    The search runs in double precision whatever the run's: which particles are neighbours must not depend on it.
+    The search runs in double precision whatever that of the run: the neighbours must not depend on it.
 
     Args:
         positions: Reference positions X [m], shape [n, d].
@@ -106,23 +108,26 @@ def reference_neighbours(
         `start`, shape [n + 1], and `index`, shape [start[n]], on the device.
 
     Raises:
-        MemoryError: There are more pairs than an index of 32 bits can name.
+        MemoryError: There are more pairs than a 32-bit index can address.
     """
-    numbers = numeric_types(positions.shape[1], "float64")
-    kernels = neighbour_kernels(numbers)
+    types = numeric_types(positions.shape[1], "float64")
+    kernels = neighbour_kernels(types)
     n = len(positions)
     cell = float(reach.max()) * REACH_TOLERANCE
     low = positions.min(axis=0)
-    points = wp.array(as_vec3(positions - low), dtype=numbers.vec3, device=device)
-    grid = make_grid(positions.max(axis=0) - low, cell, types=numbers, device=device)
+    points = wp.array(as_vec3(positions - low), dtype=types.vec3, device=device)
+    grid = make_grid(positions.max(axis=0) - low, cell, types=types, device=device)
     grid.build(points, cell)
-    radii = wp.array(reach * REACH_TOLERANCE, dtype=numbers.real, device=device)
+    radii = wp.array(reach * REACH_TOLERANCE, dtype=types.real, device=device)
     group = wp.array(groups, dtype=wp.int32, device=device)
     counts = wp.empty(n, dtype=wp.int32, device=device)
     wp.launch(kernels.count, n, [grid.id, points, group, radii, cell], [counts], device=device)
     start = np.concatenate(([0], np.cumsum(counts.numpy(), dtype=np.int64)))
     if start[-1] >= 2**31:
-        raise MemoryError(f"{start[-1]} pairs of neighbours are more than an index of 32 bits can name")
+        raise MemoryError(
+            f"the scene has {start[-1]} pairs of neighbours, must be fewer than 2^31; use a larger spacing or a "
+            "smaller effective radius"
+        )
     index = wp.empty(int(start[-1]), dtype=wp.int32, device=device)
     starts = wp.array(start.astype(np.int32), dtype=wp.int32, device=device)
     wp.launch(kernels.fill, n, [grid.id, points, group, radii, cell, starts], [index], device=device)

@@ -77,11 +77,11 @@ class SolidReadings:
         parts = self.parts
         weight = np.outer(parts.masses, [float(g) for g in parts.gravity])
         loads = wp.zeros_like(self._state.force)
-        parts.boundary.push(loads, parts.mass)
+        parts.boundary.add_loads(loads, parts.mass)
         if parts.external is not None:
-            wp.launch(self._motion.add, parts.count, [parts.external], [loads], device=parts.device)
+            wp.launch(self._motion.add_force, parts.count, [parts.external], [loads], device=parts.device)
         if parts.body_forces:
-            wp.launch(self._motion.add, parts.count, [parts.body_forces.force], [loads], device=parts.device)
+            wp.launch(self._motion.add_force, parts.count, [parts.body_forces.force], [loads], device=parts.device)
         return self._state.force.numpy().astype(float) - weight - loads.numpy()
 
     def elastic_torques(self) -> np.ndarray:

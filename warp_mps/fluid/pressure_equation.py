@@ -106,7 +106,7 @@ class PressureEquation:
             same: Whether the matrix is that of the last solve, so that the preconditioner is reused.
         """
         matrix = self.matrix._replace(singular=None)
-        self.solver.solve(matrix, self.rhs, self._state.p, rest=product, same=same)
+        self.solver.solve(matrix, self.rhs, self._state.p, extra_product=product, reuse_preconditioner=same)
         self._bound(self._not_singular)
 
     def _bound(self, singular: wp.array | None) -> None:

@@ -1,12 +1,12 @@
-"""Rigid motion on the device: the pose of every wall at a time, and the particles that it carries.
+"""Rigid motion of walls on the device: the pose of every wall at a time, and the motion of its particles.
 
 A point X of a wall, with r = X - pivot, angle a and unit axis k, is at
 
     x = X + s + (R - I) r,   (R - I) r = sin(a) k x r + 2 sin^2(a/2) k x (k x r)
 
 s its displacement; its velocity is s' + a' k x R r, and its acceleration s'' + a'' k x R r + a'^2 k x (k x R r). The
-turn is formed from the half angle, and all of it in double precision whatever the run's, so that small motions keep
-their digits.
+rotation is formed from the half angle, and everything in double precision whatever that of the run, so that small
+motions keep their digits.
 """
 
 import functools
@@ -22,7 +22,7 @@ METHOD = "walls"
 
 @functools.cache
 def wall_kernels(types: NumericTypes) -> SimpleNamespace:
-    """Kernels `clock`, `pose`, `place`, `drive`, `drive_work` and `clear`."""
+    """Kernels `clock`, `pose`, `place`, `move_walls`, `wall_work` and `clear_forces`."""
     vec, d = types.vec, types.dimension
     vec64 = wp.types.vector(length=d, dtype=wp.float64)
     motions = prescribed_motion_functions(wp.float64, vec64, types.module(METHOD))
@@ -31,19 +31,19 @@ def wall_kernels(types: NumericTypes) -> SimpleNamespace:
     if d == 2:
 
         @types.func(METHOD)
-        def about(axis: wp.vec3d, r: vec64) -> vec64:
+        def axis_cross(axis: wp.vec3d, r: vec64) -> vec64:
             """The product k x r."""
             return vec64(-r[1], r[0])
 
     else:
 
         @types.func(METHOD)
-        def about(axis: wp.vec3d, r: vec64) -> vec64:
+        def axis_cross(axis: wp.vec3d, r: vec64) -> vec64:
             """The product k x r."""
             return wp.cross(axis, r)
 
     @types.func(METHOD)
-    def carry(
+    def rigid_motion(
         w: wp.int32,
         x: vec64,
         pivot: wp.array(dtype=vec64),
@@ -57,12 +57,12 @@ def wall_kernels(types: NumericTypes) -> SimpleNamespace:
         r = x - pivot[w]
         angle = value[w, 1][0]
         half = wp.sin(wp.float64(0.5) * angle)
-        across = about(k, r)
-        u = value[w, 0] + wp.sin(angle) * across + (wp.float64(2.0) * half * half) * about(k, across)
+        across = axis_cross(k, r)
+        u = value[w, 0] + wp.sin(angle) * across + (wp.float64(2.0) * half * half) * axis_cross(k, across)
         turning = rate[w, 1][0]
-        around = about(k, r + u - value[w, 0])
+        around = axis_cross(k, r + u - value[w, 0])
         v = rate[w, 0] + turning * around
-        a = second[w, 0] + second[w, 1][0] * around + (turning * turning) * about(k, around)
+        a = second[w, 0] + second[w, 1][0] * around + (turning * turning) * axis_cross(k, around)
         return u, v, a
 
     @types.kernel(METHOD)
@@ -90,8 +90,8 @@ def wall_kernels(types: NumericTypes) -> SimpleNamespace:
     ):
         """Displacement (column 0) or angle (column 1, in its first component) of a wall, and its two derivatives.
 
-        Harmonic where f > 0, else by the table of rows `start[wall, k, ...]`, if it has any: linear, or with Hermite's
-        cubics of the slopes at the rows.
+        Harmonic where f > 0, else by the rows `start[wall, 2 k]` to `start[wall, 2 k + 1]` of the table, if any; see
+        `warp_mps.core.prescribed_motion`.
         """
         w, k = wp.tid()
         t = time[0]
@@ -129,13 +129,13 @@ def wall_kernels(types: NumericTypes) -> SimpleNamespace:
         i = first + wp.tid()
         w = wall[i]
         if w >= 0:
-            u, v, a = carry(w, reference[i], pivot, axis, value, rate, second)
+            u, v, a = rigid_motion(w, reference[i], pivot, axis, value, rate, second)
             x_out[i] = vec(reference[i] + u)
             v_out[i] = vec(v)
             a_out[i] = vec(a)
 
     @types.kernel(METHOD)
-    def drive(
+    def move_walls(
         # Model:
         first: wp.int32,
         elastic: wp.int32,
@@ -155,14 +155,14 @@ def wall_kernels(types: NumericTypes) -> SimpleNamespace:
         move_out: wp.array(dtype=vec),
         work: wp.array(dtype=wp.float64),
     ):
-        """Place wall particles, which come after the elastic ones, and add the first half of a step's work.
+        """Move wall particles, which come after the elastic ones, and add the first half of the work of the step.
 
-        The work of a wall is that against the contact forces on it: half of the move times the last step's force here,
-        the other half in `drive_work`.
+        A wall does the work dW = -1/2 (f^n + f^(n+1)) . du against the contact forces f on it: the first half here, the
+        second in `wall_work`.
         """
         i = first + wp.tid()
         n = i - elastic
-        new, v, a = carry(wall[i], reference[i], pivot, axis, value, rate, second)
+        new, v, a = rigid_motion(wall[i], reference[i], pivot, axis, value, rate, second)
         move = vec(new) - u[i]
         u[i] = vec(new)
         v_out[i] = vec(v)
@@ -171,7 +171,7 @@ def wall_kernels(types: NumericTypes) -> SimpleNamespace:
         work[n] = work[n] - wp.float64(0.5) * wp.float64(wp.dot(contact[i], move))
 
     @types.kernel(METHOD)
-    def drive_work(
+    def wall_work(
         # Model:
         first: wp.int32,
         elastic: wp.int32,
@@ -181,14 +181,21 @@ def wall_kernels(types: NumericTypes) -> SimpleNamespace:
         # State in and out:
         work: wp.array(dtype=wp.float64),
     ):
-        """Work of the walls against the new contact forces over the second half of their move."""
+        """Second half of the work of the walls: W -= 1/2 f^(n+1) . du."""
         i = first + wp.tid()
         n = i - elastic
         work[n] = work[n] - wp.float64(0.5) * wp.float64(wp.dot(contact[i], move[n]))
 
     @types.kernel(METHOD)
-    def clear(first: wp.int32, force_out: wp.array(dtype=vec)):
-        """Take the last step's forces off the walls."""
+    def clear_forces(
+        # Model:
+        first: wp.int32,
+        # State out:
+        force_out: wp.array(dtype=vec),
+    ):
+        """Set the forces on the walls to 0."""
         force_out[first + wp.tid()] = vec()
 
-    return SimpleNamespace(clock=clock, pose=pose, place=place, drive=drive, drive_work=drive_work, clear=clear)
+    return SimpleNamespace(
+        clock=clock, pose=pose, place=place, move_walls=move_walls, wall_work=wall_work, clear_forces=clear_forces
+    )

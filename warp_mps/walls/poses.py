@@ -1,4 +1,4 @@
-"""The poses of the walls of a scene on a device: evaluated at a time there, and what they do to particles."""
+"""The poses of the walls of a scene on a device, and the motion of their particles."""
 
 from typing import Any
 
@@ -15,23 +15,23 @@ Track = HarmonicMotion | TableMotion | HarmonicRotation | TableRotation | None
 
 
 def declare_walls(types: NumericTypes) -> str:
-    """Declare the kernels of a types, so that their module is compiled once, and return its name."""
+    """Declare the kernels of a dimension and precision, and return the name of their module."""
     wall_kernels(types)
     return types.module(METHOD)
 
 
 class Poses:
-    """Where the prescribed motions of a scene's walls have them at one time.
+    """Displacements and rotations of the walls of a scene at one time, by their prescribed motions.
 
-    Nothing here reads the device or allocates after construction: `evaluate` and `place` can be captured.
+    After construction nothing reads the device or allocates: `evaluate` and `place` can be captured.
 
     Attributes:
         value: Displacement [m] in column 0 and angle [rad] in column 1, there the first component,
             float64 vectors [walls, 2].
         rate: Their first derivatives [m/s], [rad/s].
         second: Their second derivatives [m/s^2], [rad/s^2].
-        pivot: Point of the undisplaced scene that each wall turns about [m], float64 vectors [walls].
-        axis: Unit axis of each wall's turn, float64 3-vectors [walls]; the normal in 2-D.
+        pivot: Point of the undisplaced scene about which each wall rotates [m], float64 vectors [walls].
+        axis: Unit axis of the rotation of each wall, float64 3-vectors [walls]; the normal in 2-D.
 
     Args:
         scene: The case.
@@ -61,12 +61,12 @@ class Poses:
     def place(
         self, first: int, count: int, wall: wp.array, reference: wp.array, x: wp.array, v: wp.array, a: wp.array
     ) -> None:
-        """Place particles as the poses have them.
+        """Move particles with their walls.
 
         Args:
             first: First of the particles.
             count: Number of them.
-            wall: Index of the wall of each particle, int32 [n]; nothing happens to those below 0.
+            wall: Index of the wall of each particle, int32 [n]; particles with a negative index are skipped.
             reference: Reference positions X [m], float64 vectors [n].
             x: Positions [m], vec [n].
             v: Velocities [m/s], vec [n].
@@ -76,7 +76,7 @@ class Poses:
         wp.launch(self._kernels.place, count, inputs, [x, v, a], device=self._device)
 
     def arrays(self) -> list[wp.array]:
-        """What kernels take of the poses: pivots, axes, values and their two derivatives."""
+        """Arguments of kernels: pivots, axes, values and their two derivatives."""
         return [self.pivot, self.axis, self.value, self.rate, self.second]
 
     def turns(self) -> tuple[np.ndarray, np.ndarray]:

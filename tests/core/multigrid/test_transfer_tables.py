@@ -9,7 +9,14 @@ import pytest
 
 from warp_mps.core.device import open_device
 from warp_mps.core.multigrid.cell_numbering import cell_type
-from warp_mps.core.multigrid.transfer_tables import ABOVE, BELOW, TransferTable, interpolation, surroundings, transpose
+from warp_mps.core.multigrid.transfer_tables import (
+    ABOVE,
+    BELOW,
+    TransferTable,
+    cell_neighbours,
+    interpolation,
+    transpose,
+)
 from warp_mps.core.types import numeric_types
 
 SIZES = [1, 2, 3, 4, 5, 8, 9]
@@ -21,7 +28,7 @@ def test_surroundings(dims: tuple[int, ...]) -> None:
     strides = np.concatenate(([1], np.cumprod(dims)[:-1])).astype(int)
     cells = list(itertools.product(*[range(n) for n in dims]))
     for wraps in itertools.product((False, True), repeat=d):
-        found = surroundings(np.array(dims), np.array(wraps))
+        found = cell_neighbours(np.array(dims), np.array(wraps))
         assert found.shape == (len(cells), 3**d)
         for cell in cells:
             # the first axis runs fastest

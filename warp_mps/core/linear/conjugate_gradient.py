@@ -1,8 +1,10 @@
-"""Preconditioned conjugate gradients on a device, without a word to the host.
+"""The preconditioned conjugate gradient method on a device, without host synchronization.
 
-Method of Hestenes & Stiefel, J. Res. Natl. Bur. Stand. 49 (1952) 409, preconditioned. The loop is `wp.capture_while`:
-a solve can be part of a captured graph, and gives the same bits outside of one. Dots are sums of fixed chunks, so that
-they do not depend on the device's schedule.
+The loop is `wp.capture_while`: a solve can be part of a captured graph, and gives the same bits outside of one. Dot
+products are sums of fixed chunks, so that they do not depend on the schedule of the device.
+
+References:
+    Hestenes, M. R. and Stiefel, E., J. Res. Natl. Bur. Stand. 49 (1952) 409.
 """
 
 from __future__ import annotations
@@ -24,8 +26,8 @@ MAX_RESTARTS = 4
 class Matrix(NamedTuple):
     """A symmetric matrix in rows: (A x)_i = diagonal_i x_i - sum_k value_k x[index_k].
 
-    A row that is no unknown (not active, without a positive diagonal, or beyond `rows`) is left out: its x stays as it
-    is given, and enters the rows of the unknowns as a known value (Dirichlet).
+    Rows that are not active, without a positive diagonal or beyond `rows` are not unknowns: their x is a Dirichlet
+    value, which stays as given and enters the rows of the unknowns.
 
     Attributes:
         rows: Number of rows in use, int32, shape [1].
@@ -34,9 +36,9 @@ class Matrix(NamedTuple):
         index: Column of each entry, int32, shape [entries].
         value: Entries off the diagonal, with their sign turned, shape [entries].
         diagonal: Entries of the diagonal, shape [capacity].
-        active: 0 in rows that are no unknowns, int32, shape [capacity].
+        active: 0 in rows that are not unknowns, int32, shape [capacity].
         singular: Not 0 if constants are in the null space, as in a closed domain without a free surface, int32,
-            shape [1]. The means of the unknowns are then taken out of b and x. None if that can never be.
+            shape [1]. The means of the unknowns are then subtracted from b and x. None if that is excluded.
     """
 
     rows: wp.array
@@ -54,15 +56,15 @@ Product = Callable[[wp.array, wp.array, wp.array, wp.array], None]
 
 
 class Operator(NamedTuple):
-    """A symmetric matrix that is given by its product alone; what is no unknown counts as in a `Matrix`.
+    """A symmetric matrix that is given by its product alone; its unknowns are those of a `Matrix`.
 
     Attributes:
         rows: Number of rows in use, int32, shape [1].
-        diagonal: The diagonal, or what the preconditioner is to take for it, shape [capacity].
-        active: 0 in rows that are no unknowns, int32, shape [capacity].
+        diagonal: The diagonal, or a replacement that the preconditioner takes for it, shape [capacity].
+        active: 0 in rows that are not unknowns, int32, shape [capacity].
         multiply: Launches q = A x in a restart pass (`control[RESTART]` not 0), else q = A p, from (control, x, p, q);
             only the rows of the unknowns count.
-        singular: As of a `Matrix`.
+        singular: As that of a `Matrix`.
     """
 
     rows: wp.array
@@ -76,15 +78,15 @@ class Preconditioner(Protocol):
     """An approximate inverse, symmetric and positive, of the matrix."""
 
     def prepare(self, matrix: Any, inverse: wp.array) -> None:
-        """Launch what a new matrix needs.
+        """Launch the setup for a new matrix.
 
         Args:
-            matrix: The matrix, of the kind that it is for: a `Matrix`, an `Operator` or either.
-            inverse: Inverse of its diagonal, 0 in rows that are no unknowns, float64, shape [capacity].
+            matrix: The matrix, of the kind that the preconditioner supports: a `Matrix`, an `Operator` or either.
+            inverse: Inverse of its diagonal, 0 in rows that are not unknowns, float64, shape [capacity].
         """
 
     def apply(self, r: wp.array, z: wp.array) -> None:
-        """Launch z = M^-1 r; z comes in as r times the inverse of the diagonal, and must stay 0 where r is 0 for good.
+        """Launch z = M^-1 r; z comes in as D^-1 r, and must stay 0 in rows that are not unknowns.
 
         Args:
             r: Residual, float64, shape [capacity].
@@ -93,7 +95,7 @@ class Preconditioner(Protocol):
 
 
 class Jacobi:
-    """The inverse of the diagonal, which the solver applies by itself."""
+    """The inverse of the diagonal, which the solver itself applies."""
 
     def prepare(self, matrix: Any, inverse: wp.array) -> None:
         """Nothing to launch."""
@@ -104,15 +106,15 @@ class Jacobi:
 
 @dataclass(frozen=True)
 class Statistics:
-    """What a solver has done so far.
+    """Statistics of a solver since its start.
 
     Attributes:
         solves: Number of solves.
         iterations: Iterations of all solves together.
         most_iterations: Iterations of the longest.
         worst_residual: Largest true residual that a solve ended with, relative to b.
-        stagnated: Solves that ended above the tolerance because the true residual did not fall any more.
-        exhausted: Solves that ended above the tolerance because they had no iteration left.
+        stagnated: Solves that ended above the tolerance because the true residual no longer decreased.
+        exhausted: Solves that ended above the tolerance because they reached the largest number of iterations.
         last_iterations: Iterations of the last solve.
         last_residual: True residual of the last solve, relative to b.
     """
@@ -134,13 +136,13 @@ class ConjugateGradient:
         capacity: Largest number of rows.
         types: Number types of the matrix; b, x and the sums are float64.
         device: Warp device.
-        tolerance: Norm of b - A x that is asked for, relative to that of b (or, where b is 0, to the first one).
-        max_iterations: Iterations after which a solve ends as it is.
-        floor: Norm of b - A x below which any solution will do.
-        preconditioner: The diagonal by default.
+        tolerance: Norm of b - A x to reach, relative to that of b, or to that of the first residual where b is 0.
+        max_iterations: Largest number of iterations of a solve.
+        floor: Norm of b - A x that counts as converged whatever that of b.
+        preconditioner: The preconditioner; by default the diagonal.
 
     Attributes:
-        statistics: What `read_statistics` reads, float64; zero it to start counting anew.
+        statistics: Values that `read_statistics` returns, float64; zero it to restart the count.
         tolerance: As given.
     """
 
@@ -168,32 +170,38 @@ class ConjugateGradient:
         self.statistics = wp.zeros(names.STATISTICS, dtype=wp.float64, device=device)
 
     def solve(
-        self, matrix: Matrix | Operator, b: wp.array, x: wp.array, *, rest: Product | None = None, same: bool = False
+        self,
+        matrix: Matrix | Operator,
+        b: wp.array,
+        x: wp.array,
+        *,
+        extra_product: Product | None = None,
+        reuse_preconditioner: bool = False,
     ) -> None:
         """Launch a solve.
 
         Args:
             matrix: The matrix, symmetric among the unknowns.
             b: Right-hand side, float64, shape [capacity].
-            x: First guess in, solution out, float64, shape [capacity].
-            rest: Launches the sum of q and of a symmetric matrix times x if `control[RESTART]` is not 0, else times p,
-                from (control, x, p, q): what the rows do not hold but for its diagonal, which is in `matrix.diagonal`.
-            same: Whether the matrix is that of the last solve, so that the preconditioner need not be made anew.
+            x: Initial guess (warm start) in, solution out, float64, shape [capacity].
+            extra_product: Launches q += B x in a restart pass (`control[RESTART]` not 0), else q += B p, from
+                (control, x, p, q): a symmetric matrix B beside the rows, whose diagonal is part of `matrix.diagonal`.
+            reuse_preconditioner: Whether the preconditioner is that of the last solve, for the same matrix.
         """
         kernels = self._kernels
         vectors = [self._inverse, self._rhs, self._r, self._z, self._p, self._q]
         self._launch(kernels.prepare, self._n, [matrix.rows, matrix.active, matrix.diagonal, b], vectors)
-        self._centre(matrix, self._rhs)
-        if not same:
+        self._remove_mean(matrix, self._rhs)
+        if not reuse_preconditioner:
             self._preconditioner.prepare(matrix, self._inverse)
         square = self._sums.launch(self._rhs, self._rhs, self._rhs)
         outputs = [self._running, self._control, self._scalars]
-        self._launch(kernels.begin, 1, [self.tolerance, self._floor, square], outputs)
-        wp.capture_while(self._running, self._iterate, matrix=matrix, x=x, rest=rest)
-        self._centre(matrix, x)
+        self._launch(kernels.start_solve, 1, [self.tolerance, self._floor, square], outputs)
+        wp.capture_while(self._running, self._iterate, matrix=matrix, x=x, extra_product=extra_product)
+        self._remove_mean(matrix, x)
 
     def read_statistics(self) -> Statistics:
-        """What was done so far; waits for the device."""
+        """Statistics so far; waits for the device."""
         values = self.statistics.numpy()
         return Statistics(
             solves=int(values[names.SOLVES]),
@@ -207,54 +215,54 @@ class ConjugateGradient:
         )
 
     def count_unsolved(self) -> int:
-        """Solves so far that ended above the tolerance; waits for the device."""
+        """Number of solves so far that ended above the tolerance; waits for the device."""
         values = self.statistics.numpy()
         return int(values[names.STAGNATED] + values[names.EXHAUSTED])
 
     def worst_row(self) -> int:
-        """Row of the largest residual of the last solve, one that is no number before all others."""
+        """Row of the largest residual of the last solve; NaN counts as the largest."""
         return int(np.argmax(np.abs(self._r.numpy())))
 
-    def _iterate(self, matrix: Matrix | Operator, x: wp.array, rest: Product | None) -> None:
-        """One pass of the loop: an iteration or a fresh start, as `control` says."""
+    def _iterate(self, matrix: Matrix | Operator, x: wp.array, extra_product: Product | None) -> None:
+        """One pass of the loop: an iteration or a restart, as `control` says."""
         kernels, n = self._kernels, self._n
         inverse, control, scalars = self._inverse, self._control, self._scalars
         self._multiply(matrix, x)
-        if rest:
-            rest(control, x, self._p, self._q)
+        if extra_product:
+            extra_product(control, x, self._p, self._q)
         pq = self._sums.launch(self._p, self._q, self._q)
-        self._launch(kernels.measure_step, 1, [pq], [control, scalars])
+        self._launch(kernels.step_length, 1, [pq], [control, scalars])
         inputs = [inverse, control, scalars, self._rhs, self._p, self._q]
-        self._launch(kernels.advance, n, inputs, [x, self._r, self._z])
+        self._launch(kernels.update_solution, n, inputs, [x, self._r, self._z])
         self._preconditioner.apply(self._r, self._z)
         products = self._sums.launch(self._r, self._z, self._r)
         limits = [self.tolerance, self._max_iterations, MAX_RESTARTS]
-        outputs = [self._running, control, scalars, self.statistics]
-        self._launch(kernels.decide, 1, [*limits, products], outputs)
-        self._launch(kernels.turn, n, [inverse, scalars, self._z], [self._p])
+        outputs = [control, scalars, self.statistics, self._running]
+        self._launch(kernels.check_convergence, 1, [*limits, products], outputs)
+        self._launch(kernels.update_direction, n, [inverse, scalars, self._z], [self._p])
 
     def _multiply(self, matrix: Matrix | Operator, x: wp.array) -> None:
-        """Q = A p, or A x in a fresh pass."""
+        """Launch q = A p, or A x in a restart pass."""
         if isinstance(matrix, Operator):
             matrix.multiply(self._control, x, self._p, self._q)
             return
         rows = [matrix.first, matrix.count, matrix.index, matrix.value, matrix.diagonal, self._inverse]
         self._launch(self._kernels.multiply, self._n, [*rows, self._control, x, self._p], [self._q])
 
-    def _centre(self, matrix: Matrix | Operator, v: wp.array) -> None:
-        """Take the mean of the unknowns out of v, if the device says that the matrix is singular."""
+    def _remove_mean(self, matrix: Matrix | Operator, v: wp.array) -> None:
+        """Subtract the mean of the unknowns from v, if the matrix is singular."""
         if matrix.singular is None:
             return
-        self._launch(self._kernels.mark, self._n, [self._inverse], [self._mask])
+        self._launch(self._kernels.mark_unknowns, self._n, [self._inverse], [self._mask])
         sums = self._sums.launch(self._mask, v, self._mask)
-        self._launch(self._kernels.centre, self._n, [matrix.singular, self._inverse, sums], [v])
+        self._launch(self._kernels.remove_mean, self._n, [matrix.singular, self._inverse, sums], [v])
 
     def _launch(self, kernel: Any, n: int, inputs: list[Any], outputs: list[Any]) -> None:
         wp.launch(kernel, n, inputs, outputs, device=self._device)
 
 
 class ChunkSums:
-    """Sums over vectors, made of sums of fixed chunks: the same bits whatever the schedule.
+    """Dot products of vectors as sums of fixed chunks: the same bits whatever the schedule of the device.
 
     Args:
         n: Length of the vectors.
@@ -279,11 +287,11 @@ class ChunkSums:
         """
         across, along = self._strides(0)
         kernels, levels = self._kernels, self._levels
-        wp.launch(kernels.dots, len(levels[0]), [across, along, a, b, c], [levels[0]], device=self._device)
+        wp.launch(kernels.dot_products, len(levels[0]), [across, along, a, b, c], [levels[0]], device=self._device)
         for k in range(1, len(levels)):
             across, along = self._strides(k)
             inputs = [across, along, self._lengths[k], levels[k - 1]]
-            wp.launch(kernels.fold, len(levels[k]), inputs, [levels[k]], device=self._device)
+            wp.launch(kernels.sum_chunks, len(levels[k]), inputs, [levels[k]], device=self._device)
         return levels[-1]
 
     def _strides(self, level: int) -> tuple[int, int]:

@@ -1,8 +1,12 @@
-"""Kernels of the conjugate gradients: products with a matrix in rows, dots in a fixed order, and the loop's decisions.
+"""Kernels of the preconditioned conjugate gradient method: products, dot products in a fixed order, convergence.
 
-The loop has two kinds of pass, told apart by a flag on the device: an iteration, and a *fresh* pass, which computes
-the true residual b - A x with the same kernels and starts the search directions anew. The first pass is fresh, and so
-is the one that follows a residual which seems small enough. Nothing is reported that a fresh pass has not seen.
+The loop has two kinds of pass, selected by a flag on the device. An iteration updates the residual by recurrence. A
+restart pass computes the true residual b - A x with the same kernels, and restarts the search directions from it. The
+first pass is a restart, and so is the one after a residual that seems below the target. Only true residuals are
+reported.
+
+References:
+    Hestenes, M. R. and Stiefel, E., J. Res. Natl. Bur. Stand. 49 (1952) 409.
 """
 
 import functools
@@ -14,14 +18,14 @@ from warp_mps.core.types import NumericTypes
 
 METHOD = "solver"
 
-# Terms that one thread adds up. A sum over n rows is made in about log(n)/log(CHUNK) launches.
+# Terms that one thread sums. A sum over n rows is made in about log(n)/log(CHUNK) launches.
 CHUNK = 128
 
-# The loop's integers: whether this pass is fresh, whether its step length was meaningless, and what was counted.
-RESTART, BROKEN, ITERATIONS, PASSES, CONTROLS = 0, 1, 2, 3, 4
+# Integers of the loop: whether this pass is a restart, whether p.A p or r.z was not positive, and two counters.
+RESTART, INDEFINITE, ITERATIONS, PASSES, CONTROLS = 0, 1, 2, 3, 4
 
-# The loop's numbers: step length, direction's share of the last one, r.z, squares of the norm that the residual is
-# measured by, of the residual asked for, and of the last true residual.
+# Scalars of the loop: alpha, beta, r.z, and the squares of the reference norm, of the target and of the last true
+# residual.
 ALPHA, BETA, RZ, REFERENCE, TARGET, LAST, SCALARS = 0, 1, 2, 3, 4, 5, 6
 
 # Statistics over all solves, and of the last one.
@@ -58,12 +62,12 @@ def solver_kernels(types: NumericTypes) -> SimpleNamespace:
 
     @types.kernel(METHOD)
     def prepare(
-        # Matrix:
+        # Model:
         rows: counts,
         active: counts,
         diagonal: wp.array(dtype=real),
         b: numbers,
-        # Out:
+        # State out:
         inverse_out: numbers,
         rhs_out: numbers,
         r_out: numbers,
@@ -71,7 +75,7 @@ def solver_kernels(types: NumericTypes) -> SimpleNamespace:
         p_out: numbers,
         q_out: numbers,
     ):
-        """The inverse of the diagonal, which is 0 in rows that are no unknowns, and vectors that are 0 there."""
+        """D^-1, which is 0 in rows that are not unknowns, the right-hand side b, and vectors that start at 0."""
         i = wp.tid()
         inverse = zero
         rhs = zero
@@ -87,7 +91,7 @@ def solver_kernels(types: NumericTypes) -> SimpleNamespace:
 
     @types.kernel(METHOD)
     def multiply(
-        # Matrix:
+        # Model:
         first: counts,
         count: counts,
         index: counts,
@@ -98,10 +102,10 @@ def solver_kernels(types: NumericTypes) -> SimpleNamespace:
         control: counts,
         x: numbers,
         p: numbers,
-        # Out:
+        # State out:
         q_out: numbers,
     ):
-        """Q = A p, or A x in a fresh pass."""
+        """Product q = A p, or A x in a restart pass."""
         i = wp.tid()
         if inverse[i] == zero:
             return
@@ -111,7 +115,17 @@ def solver_kernels(types: NumericTypes) -> SimpleNamespace:
             q_out[i] = real64(diagonal[i]) * p[i] - off_diagonal(first[i], count[i], index, value, p)
 
     @types.kernel(METHOD)
-    def dots(across: wp.int32, along: wp.int32, a: numbers, b: numbers, c: numbers, sums_out: pairs):
+    def dot_products(
+        # Model:
+        across: wp.int32,
+        along: wp.int32,
+        # State in:
+        a: numbers,
+        b: numbers,
+        c: numbers,
+        # State out:
+        sums_out: pairs,
+    ):
         """Partial sums of a.b and a.c: thread t adds up the elements `across` t + `along` k, k < CHUNK."""
         t = wp.tid()
         ab = zero
@@ -125,8 +139,17 @@ def solver_kernels(types: NumericTypes) -> SimpleNamespace:
         sums_out[t] = wp.vec2d(ab, ac)
 
     @types.kernel(METHOD)
-    def fold(across: wp.int32, along: wp.int32, n: wp.int32, values: pairs, sums_out: pairs):
-        """Partial sums of partial sums."""
+    def sum_chunks(
+        # Model:
+        across: wp.int32,
+        along: wp.int32,
+        n: wp.int32,
+        # State in:
+        values: pairs,
+        # State out:
+        sums_out: pairs,
+    ):
+        """Sums of the partial sums that a thread of the next level adds up."""
         t = wp.tid()
         total = wp.vec2d()
         i = across * t
@@ -137,17 +160,17 @@ def solver_kernels(types: NumericTypes) -> SimpleNamespace:
         sums_out[t] = total
 
     @types.kernel(METHOD)
-    def begin(
+    def start_solve(
         tolerance: wp.float64,
         floor: wp.float64,
         # State in:
         square: pairs,
-        # Out:
+        # State out:
         running_out: counts,
         control_out: counts,
         scalars_out: numbers,
     ):
-        """Start a solve with a fresh pass; the residual is measured by the norm of b."""
+        """Start a solve with a restart pass; the target is |r| <= max(tolerance |b|, floor)."""
         running_out[0] = 1
         for k in range(CONTROLS):
             control_out[k] = 0
@@ -159,25 +182,25 @@ def solver_kernels(types: NumericTypes) -> SimpleNamespace:
         scalars_out[TARGET] = wp.max(tolerance * tolerance * reference, floor * floor)
 
     @types.kernel(METHOD)
-    def measure_step(
+    def step_length(
         # State in:
         pq: pairs,
-        # Out:
-        control_out: counts,
-        scalars_out: numbers,
+        # State in and out:
+        control: counts,
+        scalars: numbers,
     ):
-        """Alpha = r.z / p.A p. The matrix or its preconditioner is not positive where one of the two is not."""
-        rz = scalars_out[RZ]
+        """Step length alpha = r.z / p.A p; 0 where the matrix or its preconditioner is not positive."""
+        rz = scalars[RZ]
         if pq[0][0] > zero and rz > zero:
-            scalars_out[ALPHA] = rz / pq[0][0]
-            control_out[BROKEN] = 0
+            scalars[ALPHA] = rz / pq[0][0]
+            control[INDEFINITE] = 0
         else:
-            scalars_out[ALPHA] = zero
-            control_out[BROKEN] = 1
+            scalars[ALPHA] = zero
+            control[INDEFINITE] = 1
 
     @types.kernel(METHOD)
-    def advance(
-        # Matrix:
+    def update_solution(
+        # Model:
         inverse: numbers,
         # State in:
         control: counts,
@@ -185,109 +208,120 @@ def solver_kernels(types: NumericTypes) -> SimpleNamespace:
         rhs: numbers,
         p: numbers,
         q: numbers,
-        # Out:
-        x_out: numbers,
-        r_out: numbers,
+        # State in and out:
+        x: numbers,
+        r: numbers,
+        # State out:
         z_out: numbers,
     ):
-        """One step along p, or the true residual in a fresh pass, and the diagonal's share of the preconditioner."""
+        """Step x += alpha p and r -= alpha A p, or r = b - A x in a restart pass; z = D^-1 r with the diagonal D."""
         i = wp.tid()
         if inverse[i] == zero:
             return
-        r = zero
+        r_i = zero
         if control[RESTART] != 0:
-            r = rhs[i] - q[i]
+            r_i = rhs[i] - q[i]
         else:
             alpha = scalars[ALPHA]
-            x_out[i] += alpha * p[i]
-            r = r_out[i] - alpha * q[i]
-        r_out[i] = r
-        z_out[i] = inverse[i] * r
+            x[i] += alpha * p[i]
+            r_i = r[i] - alpha * q[i]
+        r[i] = r_i
+        z_out[i] = inverse[i] * r_i
 
     @types.kernel(METHOD)
-    def decide(
+    def check_convergence(
         tolerance: wp.float64,
         max_iterations: wp.int32,
         max_restarts: wp.int32,
         # State in:
         products: pairs,
-        # Out:
+        # State in and out:
+        control: counts,
+        scalars: numbers,
+        statistics: numbers,
+        # State out:
         running_out: counts,
-        control_out: counts,
-        scalars_out: numbers,
-        statistics_out: numbers,
     ):
-        """Whether to go on, and with a fresh pass or not, by r.z and r.r."""
+        """Beta = r.z / (r.z of the last pass), whether to continue, and whether the next pass is a restart.
+
+        A solve ends after a restart pass alone, whose residual is the true one: if it is below the target, if it no
+        longer decreases (stagnation), if it is not finite, or if the iterations are used up.
+        """
         rz = products[0][0]
         rr = products[0][1]
-        if control_out[RESTART] == 0:
-            control_out[ITERATIONS] += 1
-            scalars_out[BETA] = rz / wp.max(scalars_out[RZ], real64(1.0e-300))
-            scalars_out[RZ] = rz
-            exhausted = control_out[ITERATIONS] >= max_iterations
-            # a comparison with a number that is none fails, and the fresh pass that follows says so
-            if exhausted or control_out[BROKEN] != 0 or not (rr > scalars_out[TARGET]):
-                control_out[RESTART] = 1
+        if control[RESTART] == 0:
+            control[ITERATIONS] += 1
+            scalars[BETA] = rz / wp.max(scalars[RZ], real64(1.0e-300))
+            scalars[RZ] = rz
+            exhausted = control[ITERATIONS] >= max_iterations
+            # NaN fails every comparison, and the restart pass that follows detects it
+            if exhausted or control[INDEFINITE] != 0 or not (rr > scalars[TARGET]):
+                control[RESTART] = 1
             return
 
-        if control_out[PASSES] == 0 and scalars_out[REFERENCE] == zero:
+        if control[PASSES] == 0 and scalars[REFERENCE] == zero:
             # b = 0: what remains of the initial residual
-            scalars_out[REFERENCE] = rr
-            scalars_out[TARGET] = wp.max(tolerance * tolerance * rr, scalars_out[TARGET])
-        done = rr <= scalars_out[TARGET]
-        exhausted = control_out[ITERATIONS] >= max_iterations
+            scalars[REFERENCE] = rr
+            scalars[TARGET] = wp.max(tolerance * tolerance * rr, scalars[TARGET])
+        done = rr <= scalars[TARGET]
+        exhausted = control[ITERATIONS] >= max_iterations
         stagnated = False
-        if control_out[PASSES] > 0 and not (rr < scalars_out[LAST]):
+        if control[PASSES] > 0 and not (rr < scalars[LAST]):
             stagnated = True
-        if control_out[PASSES] > max_restarts or not (rr >= zero):
+        if control[PASSES] > max_restarts or not (rr >= zero):
             stagnated = True
         if done or exhausted or stagnated:
             running_out[0] = 0
-            iterations = real64(control_out[ITERATIONS])
+            iterations = real64(control[ITERATIONS])
             residual = wp.sqrt(rr)
-            if scalars_out[REFERENCE] > zero:
-                residual /= wp.sqrt(scalars_out[REFERENCE])
-            statistics_out[SOLVES] += real64(1.0)
-            statistics_out[SUM] += iterations
-            statistics_out[MOST] = wp.max(statistics_out[MOST], iterations)
-            # where the residual is no number, it is the worst
-            if not (residual <= statistics_out[WORST]):
-                statistics_out[WORST] = residual
-            statistics_out[ITERATIONS_NOW] = iterations
-            statistics_out[RESIDUAL_NOW] = residual
+            if scalars[REFERENCE] > zero:
+                residual /= wp.sqrt(scalars[REFERENCE])
+            statistics[SOLVES] += real64(1.0)
+            statistics[SUM] += iterations
+            statistics[MOST] = wp.max(statistics[MOST], iterations)
+            # NaN counts as the worst
+            if not (residual <= statistics[WORST]):
+                statistics[WORST] = residual
+            statistics[ITERATIONS_NOW] = iterations
+            statistics[RESIDUAL_NOW] = residual
             if not done and exhausted:
-                statistics_out[EXHAUSTED] += real64(1.0)
+                statistics[EXHAUSTED] += real64(1.0)
             if not done and not exhausted:
-                statistics_out[STAGNATED] += real64(1.0)
-        control_out[RESTART] = 0
-        control_out[PASSES] += 1
-        scalars_out[LAST] = rr
-        scalars_out[BETA] = zero
-        scalars_out[RZ] = rz
+                statistics[STAGNATED] += real64(1.0)
+        control[RESTART] = 0
+        control[PASSES] += 1
+        scalars[LAST] = rr
+        scalars[BETA] = zero
+        scalars[RZ] = rz
 
     @types.kernel(METHOD)
-    def turn(
-        # Matrix:
+    def update_direction(
+        # Model:
         inverse: numbers,
         # State in:
         scalars: numbers,
         z: numbers,
-        # Out:
-        p_out: numbers,
+        # State in and out:
+        p: numbers,
     ):
-        """The next direction p = z + beta p."""
+        """The next search direction p = z + beta p."""
         i = wp.tid()
         if inverse[i] == zero:
             return
         beta = scalars[BETA]
         if beta == zero:
-            # after a fresh pass p may be anything
-            p_out[i] = z[i]
+            # p is undefined after a restart pass
+            p[i] = z[i]
         else:
-            p_out[i] = z[i] + beta * p_out[i]
+            p[i] = z[i] + beta * p[i]
 
     @types.kernel(METHOD)
-    def mark(inverse: numbers, mask_out: numbers):
+    def mark_unknowns(
+        # Model:
+        inverse: numbers,
+        # State out:
+        mask_out: numbers,
+    ):
         """1 in the rows of unknowns, else 0."""
         i = wp.tid()
         unknown = zero
@@ -296,22 +330,30 @@ def solver_kernels(types: NumericTypes) -> SimpleNamespace:
         mask_out[i] = unknown
 
     @types.kernel(METHOD)
-    def centre(singular: counts, inverse: numbers, sums: pairs, v_out: numbers):
-        """Take the mean of the unknowns out of a vector if the system is singular."""
+    def remove_mean(
+        # Model:
+        singular: counts,
+        inverse: numbers,
+        # State in:
+        sums: pairs,
+        # State in and out:
+        v: numbers,
+    ):
+        """Subtract the mean of the unknowns from a vector if the system is singular."""
         i = wp.tid()
         if singular[0] != 0 and inverse[i] != zero:
-            v_out[i] -= sums[0][0] / sums[0][1]
+            v[i] -= sums[0][0] / sums[0][1]
 
     return SimpleNamespace(
         prepare=prepare,
         multiply=multiply,
-        dots=dots,
-        fold=fold,
-        begin=begin,
-        measure_step=measure_step,
-        advance=advance,
-        decide=decide,
-        turn=turn,
-        mark=mark,
-        centre=centre,
+        dot_products=dot_products,
+        sum_chunks=sum_chunks,
+        start_solve=start_solve,
+        step_length=step_length,
+        update_solution=update_solution,
+        check_convergence=check_convergence,
+        update_direction=update_direction,
+        mark_unknowns=mark_unknowns,
+        remove_mean=remove_mean,
     )

@@ -17,11 +17,11 @@ def cell_kernels(types: NumericTypes) -> SimpleNamespace:
     around, corners, below, above = 3**d, 2**d, BELOW**d, ABOVE**d
     counts, numbers = wp.array(dtype=wp.int32), wp.array(dtype=wp.float64)
     grid = grid_functions(types)
-    flat, unflat, corner, slot, close = grid.flat, grid.unflat, grid.corner, grid.slot, grid.close
+    flat, unflat, corner, slot, finish_row = grid.flat, grid.unflat, grid.corner, grid.slot, grid.finish_row
     inside, wrapped, nearest = grid.inside, grid.wrapped, grid.nearest
 
     @types.func(METHOD)
-    def coupled(c: wp.int32, there: counts, coupling: numbers, e: numbers):
+    def coupling_sum(c: wp.int32, there: counts, coupling: numbers, e: numbers):
         """Sum over the cells around a cell of coupling e; a coupling across the edge of the grid is 0."""
         total = real64(0.0)
         for s in range(c * around, (c + 1) * around):
@@ -37,7 +37,7 @@ def cell_kernels(types: NumericTypes) -> SimpleNamespace:
         # State in:
         coupling: numbers,
         excess: numbers,
-        # Out:
+        # State out:
         coupling_out: numbers,
         excess_out: numbers,
         diagonal_out: numbers,
@@ -66,10 +66,10 @@ def cell_kernels(types: NumericTypes) -> SimpleNamespace:
                         to = slot(nearest(offset, coarse_dims, wraps))
                         if to != around // 2:
                             coupling_out[c * around + to] += real64(0.5) * coupling[f * around + s]
-        close(c, total, coupling_out, excess_out, diagonal_out)
+        finish_row(c, total, coupling_out, excess_out, diagonal_out)
 
     @types.kernel(METHOD)
-    def find_residual(
+    def residual(
         # Model:
         there: counts,
         # State in:
@@ -77,18 +77,18 @@ def cell_kernels(types: NumericTypes) -> SimpleNamespace:
         diagonal: numbers,
         r: numbers,
         e: numbers,
-        # Out:
+        # State out:
         left_out: numbers,
     ):
         """What is left of the residual: r - A e; nothing in cells without an unknown."""
         c = wp.tid()
         left = real64(0.0)
         if diagonal[c] > real64(0.0):
-            left = r[c] - diagonal[c] * e[c] + coupled(c, there, coupling, e)
+            left = r[c] - diagonal[c] * e[c] + coupling_sum(c, there, coupling, e)
         left_out[c] = left
 
     @types.kernel(METHOD)
-    def collect_cells(
+    def restrict_cells(
         # Model:
         dims: ivec,
         coarse_dims: ivec,
@@ -98,7 +98,7 @@ def cell_kernels(types: NumericTypes) -> SimpleNamespace:
         # State in:
         diagonal: numbers,
         left: numbers,
-        # Out:
+        # State out:
         r_out: numbers,
         e_out: numbers,
     ):
@@ -124,7 +124,7 @@ def cell_kernels(types: NumericTypes) -> SimpleNamespace:
         e_out[c] = e
 
     @types.kernel(METHOD)
-    def interpolate_cells(
+    def prolong_to_cells(
         # Model:
         dims: ivec,
         coarse_dims: ivec,
@@ -134,10 +134,10 @@ def cell_kernels(types: NumericTypes) -> SimpleNamespace:
         # State in:
         diagonal: numbers,
         coarse_e: numbers,
-        # Out:
-        e_out: numbers,
+        # State in and out:
+        e: numbers,
     ):
-        """Add the correction of the coarse cells."""
+        """Coarse-grid correction e += P e_coarse, with linear interpolation P."""
         c = wp.tid()
         if diagonal[c] > real64(0.0):
             here = unflat(c, dims)
@@ -153,10 +153,10 @@ def cell_kernels(types: NumericTypes) -> SimpleNamespace:
                     rest = rest // ABOVE
                 if weight > real64(0.0):
                     total += weight * coarse_e[flat(coarse, coarse_dims)]
-            e_out[c] += total
+            e[c] += total
 
     @types.kernel(METHOD)
-    def sweep(
+    def jacobi_sweep(
         # Model:
         there: counts,
         # State in:
@@ -164,16 +164,16 @@ def cell_kernels(types: NumericTypes) -> SimpleNamespace:
         diagonal: numbers,
         r: numbers,
         e: numbers,
-        # Out:
+        # State out:
         e_out: numbers,
     ):
         """A damped Jacobi sweep."""
         c = wp.tid()
         if diagonal[c] > real64(0.0):
-            left = r[c] - diagonal[c] * e[c] + coupled(c, there, coupling, e)
+            left = r[c] - diagonal[c] * e[c] + coupling_sum(c, there, coupling, e)
             e_out[c] = e[c] + real64(DAMPING) * left / diagonal[c]
         else:
             e_out[c] = real64(0.0)
 
-    made = (coarsen, find_residual, collect_cells, interpolate_cells, sweep)
+    made = (coarsen, residual, restrict_cells, prolong_to_cells, jacobi_sweep)
     return SimpleNamespace(**{kernel.func.__name__: kernel for kernel in made})

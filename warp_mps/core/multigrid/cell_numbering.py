@@ -101,7 +101,7 @@ def grid_functions(types: NumericTypes) -> SimpleNamespace:
         return place
 
     @types.func(METHOD)
-    def close(c: wp.int32, excess: wp.float64, coupling_out: numbers, excess_out: numbers, diagonal_out: numbers):
+    def finish_row(c: wp.int32, excess: wp.float64, coupling_out: numbers, excess_out: numbers, diagonal_out: numbers):
         """Finish a row of a level's matrix: one with neither couplings nor excess stays out."""
         total = excess
         for s in range(around):
@@ -109,5 +109,5 @@ def grid_functions(types: NumericTypes) -> SimpleNamespace:
         excess_out[c] = excess
         diagonal_out[c] = total
 
-    made = (flat, unflat, corner, inside, wrapped, nearest, slot, close)
+    made = (flat, unflat, corner, inside, wrapped, nearest, slot, finish_row)
     return SimpleNamespace(**{function.func.__name__: function for function in made})

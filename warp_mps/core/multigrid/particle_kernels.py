@@ -12,10 +12,10 @@ from warp_mps.core.types import NumericTypes
 ROUNDING = {"float64": 1.0e-10, "float32": 2.0e-6}
 
 # Bins that one thread finds the first unknowns of: it looks for the first, and goes on from there.
-WALK = 8
+BINS_PER_THREAD = 8
 
 # Cell of a row that is no unknown: far from all others.
-NOWHERE = -1_000_000
+NO_CELL = -1_000_000
 
 
 @functools.cache
@@ -27,11 +27,11 @@ def particle_kernels(types: NumericTypes) -> SimpleNamespace:
     row = wp.types.vector(length=around, dtype=wp.float64)
     counts, numbers = wp.array(dtype=wp.int32), wp.array(dtype=wp.float64)
     grid = grid_functions(types)
-    flat, unflat, corner, slot, close = grid.flat, grid.unflat, grid.corner, grid.slot, grid.close
+    flat, unflat, corner, slot, finish_row = grid.flat, grid.unflat, grid.corner, grid.slot, grid.finish_row
     inside, wrapped, nearest = grid.inside, grid.wrapped, grid.nearest
 
     @types.kernel(METHOD)
-    def locate(
+    def locate_particles(
         # Model:
         low: vec,
         width: vec,
@@ -41,7 +41,7 @@ def particle_kernels(types: NumericTypes) -> SimpleNamespace:
         # State in:
         inverse: numbers,
         positions: wp.array(dtype=vec),
-        # Out:
+        # State out:
         bin_out: counts,
         order_out: counts,
         between_out: counts,
@@ -57,7 +57,7 @@ def particle_kernels(types: NumericTypes) -> SimpleNamespace:
         if inverse[i] == real64(0.0):
             bin_out[i] = bins
             between_out[i] = 0
-            cell_out[i] = ivec(NOWHERE)
+            cell_out[i] = ivec(NO_CELL)
             weight_out[i] = shares()
             return
         half = ivec()
@@ -98,7 +98,7 @@ def particle_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def find_starts(n: wp.int32, bins: wp.int32, bin: counts, start_out: counts):
         """First of the sorted unknowns in each of a few bins, or in a later one where it is empty."""
-        first = WALK * wp.tid()
+        first = BINS_PER_THREAD * wp.tid()
         low = wp.int32(0)
         high = n
         # not `wp.lower_bound`, which gives n - 1 where all are smaller
@@ -108,18 +108,18 @@ def particle_kernels(types: NumericTypes) -> SimpleNamespace:
                 low = middle + 1
             else:
                 high = middle
-        for b in range(first, wp.min(first + WALK, bins + 1)):
+        for b in range(first, wp.min(first + BINS_PER_THREAD, bins + 1)):
             while low < n and bin[low] < b:
                 low += 1
             start_out[b] = low
 
     @types.kernel(METHOD)
-    def gather(
+    def assemble_cell_matrix(
         # Model:
         dims: ivec,
         wraps: ivec,
         scale: wp.float64,
-        # Matrix:
+        # Model:
         first: counts,
         count: counts,
         index: counts,
@@ -129,7 +129,7 @@ def particle_kernels(types: NumericTypes) -> SimpleNamespace:
         start: counts,
         order: counts,
         cell: wp.array(dtype=ivec),
-        # Out:
+        # State out:
         share_out: numbers,
         coupling_out: numbers,
         excess_out: numbers,
@@ -173,17 +173,17 @@ def particle_kernels(types: NumericTypes) -> SimpleNamespace:
             # the cells of a singular matrix must be singular, too: their constant part is divided by the excess
             excess = real64(0.0)
         excess *= wp.min(real64(1.0), real64(2.0) * scale)
-        close(c, excess, coupling_out, excess_out, diagonal_out)
+        finish_row(c, excess, coupling_out, excess_out, diagonal_out)
 
     @types.kernel(METHOD)
-    def weigh_again(
+    def normalize_weights(
         # State in:
         inverse: numbers,
         between: counts,
         share: numbers,
         corner_diagonal: wp.array(dtype=shares),
-        # Out:
-        weight_out: wp.array(dtype=shares),
+        # State in and out:
+        weight: wp.array(dtype=shares),
     ):
         """Leave cells without an unknown out of the interpolation, so that constants remain constant beside them.
 
@@ -193,19 +193,19 @@ def particle_kernels(types: NumericTypes) -> SimpleNamespace:
         i = wp.tid()
         if inverse[i] == real64(0.0):
             return
-        weight = weight_out[i]
+        w = weight[i]
         there = corner_diagonal[between[i]]
         total = real64(0.0)
         for k in range(corners):
             if there[k] <= real64(0.0):
-                weight[k] = real64(0.0)
-            total += weight[k]
+                w[k] = real64(0.0)
+            total += w[k]
         if total > real64(0.0):
-            weight /= total
-        weight_out[i] = share[i] * weight
+            w /= total
+        weight[i] = share[i] * w
 
     @types.kernel(METHOD)
-    def collect_particles(
+    def restrict_particles(
         # Model:
         dims: ivec,
         wraps: ivec,
@@ -214,7 +214,7 @@ def particle_kernels(types: NumericTypes) -> SimpleNamespace:
         order: counts,
         weight: wp.array(dtype=shares),
         r: numbers,
-        # Out:
+        # State out:
         corner_out: wp.array(dtype=shares),
     ):
         """Residuals of the unknowns between the same 2^d cell centres, weighted for each of these cells."""
@@ -231,14 +231,14 @@ def particle_kernels(types: NumericTypes) -> SimpleNamespace:
         corner_out[t] = total
 
     @types.kernel(METHOD)
-    def collect_corners(
+    def restrict_corners(
         # Model:
         dims: ivec,
         wraps: ivec,
         # State in:
         diagonal: numbers,
         corner_sums: wp.array(dtype=shares),
-        # Out:
+        # State out:
         r_out: numbers,
         e_out: numbers,
     ):
@@ -256,7 +256,7 @@ def particle_kernels(types: NumericTypes) -> SimpleNamespace:
         e_out[c] = e
 
     @types.kernel(METHOD)
-    def spread(dims: ivec, wraps: ivec, e: numbers, corner_out: wp.array(dtype=shares)):
+    def corner_values(dims: ivec, wraps: ivec, e: numbers, corner_out: wp.array(dtype=shares)):
         """Values of the 2^d cells around each box between centres; a cell beyond the edge has weight 0."""
         t = wp.tid()
         above = unflat(t, dims + ivec(1) - wraps)
@@ -269,19 +269,28 @@ def particle_kernels(types: NumericTypes) -> SimpleNamespace:
         corner_out[t] = values
 
     @types.kernel(METHOD)
-    def interpolate_particles(
+    def prolong_to_particles(
         # State in:
         inverse: numbers,
         between: counts,
         weight: wp.array(dtype=shares),
         corner_e: wp.array(dtype=shares),
-        # Out:
-        z_out: numbers,
+        # State in and out:
+        z: numbers,
     ):
-        """Add the correction of the cells to the unknowns."""
+        """Coarse-grid correction z += P e of the unknowns."""
         i = wp.tid()
         if inverse[i] != real64(0.0):
-            z_out[i] += wp.dot(weight[i], corner_e[between[i]])
+            z[i] += wp.dot(weight[i], corner_e[between[i]])
 
-    made = (locate, find_starts, gather, weigh_again, collect_particles, collect_corners, spread, interpolate_particles)
+    made = (
+        locate_particles,
+        find_starts,
+        assemble_cell_matrix,
+        normalize_weights,
+        restrict_particles,
+        restrict_corners,
+        corner_values,
+        prolong_to_particles,
+    )
     return SimpleNamespace(**{kernel.func.__name__: kernel for kernel in made})

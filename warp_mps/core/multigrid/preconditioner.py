@@ -29,8 +29,8 @@ import warp as wp
 from warp_mps.core.linear.conjugate_gradient import Matrix
 from warp_mps.core.multigrid.cell_kernels import cell_kernels
 from warp_mps.core.multigrid.cell_numbering import METHOD, cell_type, corner_type
-from warp_mps.core.multigrid.particle_kernels import WALK, particle_kernels
-from warp_mps.core.multigrid.transfer_tables import TransferTable, halved, interpolation, surroundings, transpose
+from warp_mps.core.multigrid.particle_kernels import BINS_PER_THREAD, particle_kernels
+from warp_mps.core.multigrid.transfer_tables import TransferTable, coarse_dims, interpolation, cell_neighbours, transpose
 from warp_mps.core.types import NumericTypes
 
 # Stiffness of a linear field over that of its piecewise constant image in cells as wide as the effective radius:
@@ -53,10 +53,10 @@ class Level:
     def __init__(self, dims: np.ndarray, wraps: np.ndarray, *, types: NumericTypes, device: Any) -> None:
         self.size, ivec = int(np.prod(dims)), cell_type(types)
         self.dims = ivec(*[int(length) for length in dims])
-        around = surroundings(dims, wraps)
+        around = cell_neighbours(dims, wraps)
         self.there = wp.array(around.ravel(), dtype=wp.int32, device=device)
         self.coupling = wp.zeros(around.size, dtype=wp.float64, device=device)
-        coarse = [int(length) for length in halved(dims)]
+        coarse = [int(length) for length in coarse_dims(dims)]
         above = [interpolation(int(n), half, wrap) for n, half, wrap in zip(dims, coarse, wraps, strict=True)]
         below = [transpose(*table, half, wrap) for table, half, wrap in zip(above, coarse, wraps, strict=True)]
         self.above, self.below = (TransferTable(tables, ivec=ivec, device=device) for tables in (above, below))
@@ -117,7 +117,7 @@ class MultigridPreconditioner:
         self._scale = float(SCALE * reach / widths.min())
         self.levels = [Level(dims, wraps, types=types, device=device)]
         while dims.max() > 2:
-            dims = halved(dims)
+            dims = coarse_dims(dims)
             self.levels.append(Level(dims, wraps, types=types, device=device))
         top = self.levels[0]
         self._wraps = cell_type(types)(*[int(wrap) for wrap in wraps])
@@ -146,15 +146,15 @@ class MultigridPreconditioner:
         particles, levels, top = self._particles, self.levels, self.levels[0]
         self._inverse = inverse
         outputs = [self._bin, self._order, self._between, self._cell, self._weight]
-        self._launch(particles.locate, self._n, [*self._box, self._bins, inverse, self.positions], outputs)
+        self._launch(particles.locate_particles, self._n, [*self._box, self._bins, inverse, self.positions], outputs)
         wp.utils.radix_sort_pairs(self._bin, self._order, self._n, end_bit=self._bins.bit_length())
-        self._launch(particles.find_starts, self._bins // WALK + 1, [self._n, self._bins, self._bin], [self._start])
+        self._launch(particles.find_starts, self._bins // BINS_PER_THREAD + 1, [self._n, self._bins, self._bin], [self._start])
         rows = [matrix.first, matrix.count, matrix.index, matrix.value, matrix.diagonal]
         inputs = [*self._grid, self._scale, *rows, self._start, self._order, self._cell]
-        self._launch(particles.gather, top.size, inputs, [self._share, *top.matrix])
-        self._launch(particles.spread, self._sums, [*self._grid, top.diagonal], [self._corner_sums])
+        self._launch(particles.assemble_cell_matrix, top.size, inputs, [self._share, *top.matrix])
+        self._launch(particles.corner_values, self._sums, [*self._grid, top.diagonal], [self._corner_sums])
         self._launch(
-            particles.weigh_again, self._n, [inverse, self._between, self._share, self._corner_sums], [self._weight]
+            particles.normalize_weights, self._n, [inverse, self._between, self._share, self._corner_sums], [self._weight]
         )
         for fine, coarse in itertools.pairwise(levels):
             inputs = [fine.dims, coarse.dims, self._wraps, fine.coupling, fine.excess]
@@ -169,15 +169,15 @@ class MultigridPreconditioner:
         """Launch the sums P^T r of the unknowns over the cells of the finest level, and its first sweep."""
         particles, top, sums = self._particles, self.levels[0], self._corner_sums
         inputs = [*self._grid, self._start, self._order, self._weight, r]
-        self._launch(particles.collect_particles, self._sums, inputs, [sums])
-        self._launch(particles.collect_corners, top.size, [*self._grid, top.diagonal, sums], [top.r, top.e])
+        self._launch(particles.restrict_particles, self._sums, inputs, [sums])
+        self._launch(particles.restrict_corners, top.size, [*self._grid, top.diagonal, sums], [top.r, top.e])
 
     def prolongate(self, e: wp.array, z: wp.array) -> None:
         """Launch z = z + P e, the linear interpolation of values of the finest level's cells to the unknowns."""
         particles, sums = self._particles, self._corner_sums
-        self._launch(particles.spread, self._sums, [*self._grid, e], [sums])
+        self._launch(particles.corner_values, self._sums, [*self._grid, e], [sums])
         inputs = [self._inverse, self._between, self._weight, sums]
-        self._launch(particles.interpolate_particles, self._n, inputs, [z])
+        self._launch(particles.prolong_to_particles, self._n, inputs, [z])
 
     def _cycle(self, k: int) -> wp.array:
         """Launch the V-cycle from level k on, whose first sweep has been made, and return its solution."""
@@ -185,16 +185,16 @@ class MultigridPreconditioner:
         if k == len(self.levels) - 1:
             e, spare = level.e, level.spare
             for _ in range(COARSEST_SWEEPS):
-                self._launch(self._cells.sweep, level.size, [*level.rows, level.r, e], [spare])
+                self._launch(self._cells.jacobi_sweep, level.size, [*level.rows, level.r, e], [spare])
                 e, spare = spare, e
             return e
         coarse = self.levels[k + 1]
-        self._launch(self._cells.find_residual, level.size, [*level.rows, level.r, level.e], [level.spare])
+        self._launch(self._cells.residual, level.size, [*level.rows, level.r, level.e], [level.spare])
         inputs = [level.dims, coarse.dims, *level.below.inputs, coarse.diagonal, level.spare]
-        self._launch(self._cells.collect_cells, coarse.size, inputs, [coarse.r, coarse.e])
+        self._launch(self._cells.restrict_cells, coarse.size, inputs, [coarse.r, coarse.e])
         inputs = [level.dims, coarse.dims, *level.above.inputs, level.diagonal, self._cycle(k + 1)]
-        self._launch(self._cells.interpolate_cells, level.size, inputs, [level.e])
-        self._launch(self._cells.sweep, level.size, [*level.rows, level.r, level.e], [level.spare])
+        self._launch(self._cells.prolong_to_cells, level.size, inputs, [level.e])
+        self._launch(self._cells.jacobi_sweep, level.size, [*level.rows, level.r, level.e], [level.spare])
         return level.spare
 
     def _launch(self, kernel: Any, n: int, inputs: list[Any], outputs: list[Any]) -> None:

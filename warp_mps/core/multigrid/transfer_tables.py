@@ -15,12 +15,12 @@ import warp as wp
 ABOVE, BELOW = 2, 4
 
 
-def halved(dims: np.ndarray) -> np.ndarray:
+def coarse_dims(dims: np.ndarray) -> np.ndarray:
     """Cells of the next level along each axis."""
     return -(-dims // 2)
 
 
-def surroundings(dims: np.ndarray, wraps: np.ndarray) -> np.ndarray:
+def cell_neighbours(dims: np.ndarray, wraps: np.ndarray) -> np.ndarray:
     """Numbers of the 3^d cells around each cell, shape [cells, 3^d]; beyond an edge, where nothing couples, its own.
 
     The first axis runs fastest, both through the cells and through the offsets to the cells around one.

@@ -23,7 +23,7 @@ def body_force_kernels(types: NumericTypes) -> SimpleNamespace:
         # State in:
         u: wp.array(dtype=vec),
         v: wp.array(dtype=vec),
-        # Out:
+        # State out:
         x_out: wp.array(dtype=vec),
     ):
         """Positions x = X + u + h v, h = `ahead` [m]."""
@@ -36,7 +36,7 @@ def body_force_kernels(types: NumericTypes) -> SimpleNamespace:
         dt: wp.float64,
         # State in:
         steps: wp.array(dtype=wp.int32),
-        # Out:
+        # State out:
         time_out: wp.array(dtype=wp.float64),
     ):
         """Time after so many steps [s]."""
@@ -50,7 +50,7 @@ def body_force_kernels(types: NumericTypes) -> SimpleNamespace:
         acceleration: wp.array(dtype=vec),
         # State in and out:
         total: wp.array(dtype=vec),
-        # Out:
+        # State out:
         force_out: wp.array(dtype=vec),
     ):
         """Force f = m a of each particle, added to its total force [N]."""

@@ -78,7 +78,7 @@ class ElasticBodyForces:
         self._time.fill_(time)
         self._add(state, ahead, total)
 
-    def account(self, v: wp.array, dt: float) -> None:
+    def add_work(self, v: wp.array, dt: float) -> None:
         """Launch the work of a step of dt [s], or of none at the start, where dt is 0."""
         self._launch(self._kernels.add_work, [dt, self.force, v], [self._power, self._work])
 

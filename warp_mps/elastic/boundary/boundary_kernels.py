@@ -1,4 +1,4 @@
-"""What acts on a body from outside: moving supports and forces on a region, and the work that they do."""
+"""Boundary conditions of elastic bodies: moving supports, loads on a region, and the work of both."""
 
 import functools
 from types import SimpleNamespace
@@ -13,7 +13,7 @@ METHOD = "elastic"
 
 @functools.cache
 def boundary_kernels(types: NumericTypes) -> SimpleNamespace:
-    """Kernels `drive`, `drive_work`, `push` and `push_work`."""
+    """Kernels `move_supports`, `support_work`, `add_loads` and `load_work`."""
     real, vec = types.real, types.vec
     motions = prescribed_motion_functions(real, vec, types.module(METHOD))
     harmonic_motion, table_motion = motions.harmonic_motion, motions.table_motion
@@ -26,7 +26,7 @@ def boundary_kernels(types: NumericTypes) -> SimpleNamespace:
         return real(wp.sin(wp.float64(wp.TAU) * frequency * t + phase))
 
     @types.kernel(METHOD)
-    def drive(
+    def move_supports(
         # Model:
         particles: wp.array(dtype=wp.int32),
         axes: vec,
@@ -44,16 +44,19 @@ def boundary_kernels(types: NumericTypes) -> SimpleNamespace:
         # State in and out:
         u: wp.array(dtype=vec),
         v: wp.array(dtype=vec),
-        acceleration_out: wp.array(dtype=vec),
-        move_out: wp.array(dtype=vec),
+        a: wp.array(dtype=vec),
+        move: wp.array(dtype=vec),
         work: wp.array(dtype=wp.float64),
     ):
-        """Place the particles of a moving support: harmonic where f > 0, else by the table.
+        """Impose the prescribed motion u(t) of a support: harmonic where f > 0, else by the table.
 
-        Between rows the table is linear, or where it has slopes, cubic.
+        The motion is that of `warp_mps.core.prescribed_motion`; the table is cubic where it has slopes.
 
-        The support's work is the gain of kinetic energy, less the work of all other forces: half of the move times the
-        last step's force here, the other half in `drive_work`. So it holds where a table makes the velocity jump.
+        The work of the support is the gain of kinetic energy less the work of all other forces,
+
+            dW = 1/2 m (v^2 - v_0^2) - 1/2 (f^n + f^(n+1)) . du
+
+        the part with f^n here, that with f^(n+1) in `support_work`. It holds also where the velocity of a table jumps.
         """
         n = wp.tid()
         i = particles[n]
@@ -68,30 +71,30 @@ def boundary_kernels(types: NumericTypes) -> SimpleNamespace:
             place, speed, acceleration = table_motion(t, 0, last, times, table, slopes, slopes.shape[0])
         u_i = u[i]
         v_i = v[i]
-        a_i = acceleration_out[i]
-        move = vec()
+        a_i = a[i]
+        step = vec()
         gain = wp.float64(0.0)
         for axis in range(wp.static(types.dimension)):
             if axes[axis] > real(0.0):
                 new = wp.float64(speed[axis])
                 old = wp.float64(v_i[axis])
                 gain += new * new - old * old
-                # the drift has moved it on by the last velocity
-                move[axis] = place[axis] - (u_i[axis] - real(dt) * v_i[axis])
+                # the drift has already moved it by dt times the last velocity
+                step[axis] = place[axis] - (u_i[axis] - real(dt) * v_i[axis])
                 u_i[axis] = place[axis]
                 v_i[axis] = speed[axis]
                 a_i[axis] = acceleration[axis]
         u[i] = u_i
         v[i] = v_i
-        acceleration_out[i] = a_i
-        # the motion that a run starts with is given, not worked for
+        a[i] = a_i
+        # the initial velocity is given, and took no work
         if steps[0] > 0:
-            move_out[n] = move
+            move[n] = step
             gained = wp.float64(0.5) * wp.float64(mass[i]) * gain
-            work[n] = work[n] + gained - wp.float64(0.5) * wp.float64(wp.dot(force[i], move))
+            work[n] = work[n] + gained - wp.float64(0.5) * wp.float64(wp.dot(force[i], step))
 
     @types.kernel(METHOD)
-    def drive_work(
+    def support_work(
         # Model:
         particles: wp.array(dtype=wp.int32),
         # State in:
@@ -100,12 +103,12 @@ def boundary_kernels(types: NumericTypes) -> SimpleNamespace:
         # State in and out:
         work: wp.array(dtype=wp.float64),
     ):
-        """Work of a moving support against the new forces over the second half of its move."""
+        """Second half of the work of a moving support: W -= 1/2 f^(n+1) . du."""
         k = wp.tid()
         work[k] = work[k] - wp.float64(0.5) * wp.float64(wp.dot(force[particles[k]], move[k]))
 
     @types.kernel(METHOD)
-    def push(
+    def add_loads(
         # Model:
         particles: wp.array(dtype=wp.int32),
         dt: wp.float64,
@@ -114,16 +117,16 @@ def boundary_kernels(types: NumericTypes) -> SimpleNamespace:
         phase: wp.float64,
         mass: wp.array(dtype=real),
         steps: wp.array(dtype=wp.int32),
-        # State out:
-        force_out: wp.array(dtype=vec),
+        # State in and out:
+        force: wp.array(dtype=vec),
     ):
-        """Force of a load, shared in proportion to mass."""
+        """f_i += m_i a sin(2 pi f t + p), the share of a load in proportion to mass; a alone where f = 0."""
         i = particles[wp.tid()]
         t = wp.float64(steps[0]) * dt
-        force_out[i] = force_out[i] + (mass[i] * harmonic(t, frequency, phase)) * acceleration
+        force[i] = force[i] + (mass[i] * harmonic(t, frequency, phase)) * acceleration
 
     @types.kernel(METHOD)
-    def push_work(
+    def load_work(
         # Model:
         particles: wp.array(dtype=wp.int32),
         dt: wp.float64,
@@ -139,7 +142,7 @@ def boundary_kernels(types: NumericTypes) -> SimpleNamespace:
         power: wp.array(dtype=real),
         work: wp.array(dtype=wp.float64),
     ):
-        """Work of a load: force times velocity, the mean of a step's ends; `weight` is dt, or 0 before the first."""
+        """Work of a load, W += dt/2 (P^n + P^(n+1)) with its power P = f . v; `weight` is dt, or 0 at the start."""
         k = wp.tid()
         i = particles[k]
         t = wp.float64(steps[0]) * dt
@@ -147,4 +150,6 @@ def boundary_kernels(types: NumericTypes) -> SimpleNamespace:
         work[k] = work[k] + wp.float64(0.5) * weight * wp.float64(power[k] + new)
         power[k] = new
 
-    return SimpleNamespace(drive=drive, drive_work=drive_work, push=push, push_work=push_work)
+    return SimpleNamespace(
+        move_supports=move_supports, support_work=support_work, add_loads=add_loads, load_work=load_work
+    )

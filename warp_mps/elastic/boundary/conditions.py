@@ -1,4 +1,4 @@
-"""The supports and loads of a scene on its particles: who is held, who is driven, who is pushed."""
+"""The boundary conditions of a scene on its particles: held axes, moving supports and loads."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -23,19 +23,19 @@ class _Action:
 
     Attributes:
         particles: Its particles.
-        numbers: Its own arguments of the kernels.
-        last: Of the last step, for each particle: the move of a support [m], the power of a load [W].
+        arguments: Its own arguments of the kernels.
+        last: For each particle, of the last step: the displacement of a support [m], or the power of a load [W].
         work: Its work so far on each particle [J].
     """
 
     particles: wp.array
-    numbers: list[Any]
+    arguments: list[Any]
     last: wp.array
     work: wp.array
 
 
 class BoundaryConditions:
-    """Everything that acts on the elastic bodies from outside, gravity apart.
+    """Supports and loads of the elastic bodies; gravity and body forces are not among them.
 
     Attributes:
         held: Whether each axis of each particle is held, shape [n, d].
@@ -46,7 +46,7 @@ class BoundaryConditions:
         self._types, self._device, self._dt = types, device, dt
         self._kernels = boundary_kernels(types)
         self.steps = wp.zeros(1, dtype=wp.int32, device=device)
-        # a time is a number of steps: one of that length
+        # the kernels take a time as a number of steps of dt: here one step of the length t
         self._once = wp.ones(1, dtype=wp.int32, device=device)
         self.held = np.zeros((particles.count, particles.dimension), bool)
         self.held_rotation = np.zeros(particles.count, bool)
@@ -64,42 +64,44 @@ class BoundaryConditions:
         return bool(self._driven or self._pushed)
 
     @property
-    def driven(self) -> bool:
+    def supports_move(self) -> bool:
         """Whether any support moves."""
         return bool(self._driven)
 
-    def drive(self, state: ElasticState, mass: wp.array) -> None:
-        """Place the particles of the moving supports."""
+    def move_supports(self, state: ElasticState, mass: wp.array) -> None:
+        """Impose the motion of the moving supports at the time of the step."""
         for action in self._driven:
-            axes, motion = action.numbers[0], action.numbers[1:]
+            axes, motion = action.arguments[0], action.arguments[1:]
             inputs = [action.particles, axes, self._dt, *motion, mass, self.steps, state.force]
             outputs = [state.u, state.v, state.driven, action.last, action.work]
-            self._launch(self._kernels.drive, action, inputs, outputs)
+            self._launch(self._kernels.move_supports, action, inputs, outputs)
 
-    def place(self, u: wp.array, v: wp.array, acceleration: wp.array, mass: wp.array, time: float) -> None:
-        """Write places, velocities and accelerations of the moving supports at a time [s]; no work is counted."""
+    def supports_at(self, u: wp.array, v: wp.array, acceleration: wp.array, mass: wp.array, time: float) -> None:
+        """Write displacements, velocities and accelerations of the moving supports at a time [s]; no work is added."""
         for action in self._driven:
-            axes, motion = action.numbers[0], action.numbers[1:]
+            axes, motion = action.arguments[0], action.arguments[1:]
             inputs = [action.particles, axes, time, *motion, mass, self._once, acceleration]
-            # what the kernel makes of the step's work goes nowhere
+            # the work that the kernel adds is discarded
             spare = [self._spare[0][: len(action.last)], self._spare[1][: len(action.work)]]
-            self._launch(self._kernels.drive, action, inputs, [u, v, acceleration, *spare])
+            self._launch(self._kernels.move_supports, action, inputs, [u, v, acceleration, *spare])
 
-    def push(self, force: wp.array, mass: wp.array, time: float | None = None) -> None:
-        """Add the forces of the loads to the forces on the particles: those of now, or of a time [s]."""
+    def add_loads(self, force: wp.array, mass: wp.array, time: float | None = None) -> None:
+        """Add the loads to the forces on the particles: those of the present step, or of a time [s]."""
         dt, steps = (self._dt, self.steps) if time is None else (time, self._once)
         for action in self._pushed:
-            inputs = [action.particles, dt, *action.numbers, mass, steps]
-            self._launch(self._kernels.push, action, inputs, [force])
+            inputs = [action.particles, dt, *action.arguments, mass, steps]
+            self._launch(self._kernels.add_loads, action, inputs, [force])
 
-    def account(self, state: ElasticState, mass: wp.array, dt: float) -> None:
-        """Add the work of a step; with dt = 0 only note the power, which the next step needs."""
+    def add_work(self, state: ElasticState, mass: wp.array, dt: float) -> None:
+        """Add the work of a step; with dt = 0 only store the power, which the next step needs."""
         for action in self._driven:
-            self._launch(self._kernels.drive_work, action, [action.particles, state.force, action.last], [action.work])
+            self._launch(
+                self._kernels.support_work, action, [action.particles, state.force, action.last], [action.work]
+            )
         for action in self._pushed:
             # the load's value needs the time, so this kernel takes the true time step as well
-            inputs = [action.particles, self._dt, dt, *action.numbers, mass, self.steps, state.v]
-            self._launch(self._kernels.push_work, action, inputs, [action.last, action.work])
+            inputs = [action.particles, self._dt, dt, *action.arguments, mass, self.steps, state.v]
+            self._launch(self._kernels.load_work, action, inputs, [action.last, action.work])
 
     def work(self) -> float:
         """Work done so far [J]."""
@@ -110,7 +112,7 @@ class BoundaryConditions:
         return [self.steps, *(array for action in self._actions() for array in (action.last, action.work))]
 
     def arrays(self) -> dict[str, np.ndarray]:
-        """What evolves here, for a checkpoint."""
+        """Host copies of what evolves, by name, for a checkpoint."""
         arrays = {"steps": self.steps.numpy().copy()}
         for k, action in enumerate(self._actions()):
             arrays[f"last_{k}"] = action.last.numpy().copy()
@@ -118,7 +120,7 @@ class BoundaryConditions:
         return arrays
 
     def assign(self, arrays: dict[str, np.ndarray]) -> None:
-        """Take over arrays that `arrays` gave."""
+        """Continue from arrays that `arrays` gave."""
         self.steps.assign(arrays["steps"])
         for k, action in enumerate(self._actions()):
             action.last.assign(arrays[f"last_{k}"])
@@ -147,7 +149,7 @@ class BoundaryConditions:
         )
 
     def _motion(self, motion: HarmonicMotion | TableMotion) -> list[Any]:
-        """Arguments of the `drive` kernel: amplitude, frequency, phase, times, table and slopes."""
+        """Arguments of the `move_supports` kernel: amplitude, frequency, phase, times, table and slopes."""
         vec = self._types.vec
         empty = np.zeros((2, self._types.dimension))
         if isinstance(motion, HarmonicMotion):
@@ -173,10 +175,10 @@ class BoundaryConditions:
             acceleration += np.asarray(load.force, float) / particles.masses[found].sum()
         return self._action(found, [self._types.vec(*acceleration), load.frequency, load.phase], self._types.real)
 
-    def _action(self, found: np.ndarray, numbers: list[Any], kind: Any) -> _Action:
+    def _action(self, found: np.ndarray, arguments: list[Any], kind: Any) -> _Action:
         return _Action(
             particles=wp.array(found, dtype=wp.int32, device=self._device),
-            numbers=numbers,
+            arguments=arguments,
             last=wp.zeros(len(found), dtype=kind, device=self._device),
             work=wp.zeros(len(found), dtype=wp.float64, device=self._device),
         )

@@ -1,20 +1,20 @@
-"""Coulomb friction of faces, by central forces: it keeps angular momentum, and what turns as a whole does not rub.
+"""Coulomb friction of faces by central forces: it keeps angular momentum, and a rigid rotation causes none.
 
-A particle i that another body B crowds has the pressing force N_iB = |g_iB grad q_iB| of its own potential, along the
-normal n of grad q_iB (`warp_mps.elastic.contact.kernels`). With omega_ij = W_ij / sum_j W_ij, y_ij = x_i - x_j, its
+A particle i in contact with another body B has the pressing force N_iB = |g_iB grad q_iB| of its own potential, along
+the normal n of grad q_iB (`warp_mps.elastic.contact.kernels`). With omega_ij = W_ij / sum_j W_ij, y_ij = x_i - x_j, its
 part s_ij in the tangent plane, their mean and their covariance C over omega, friction is the pair force
 
     f_ij = omega_ij a . (s_ij - mean) y_ij,   a = C^-1 t,   whose sum over j is t, up to what of it lies along n
 
-Forces along y_ij make no moment: the couple of a friction between two layers of particles, a spacing apart, is taken up
-by their pressure. What does work on t is the slip
+Forces along y_ij have no moment: the couple of the friction between two layers of particles, a spacing apart, is
+balanced by their pressure. The slip is the displacement that is conjugate to t,
 
     slip' = C^-1 sum_j omega_ij (s_ij - mean) (y_ij . y'_ij)
 
-the sliding velocity where a face slides, and nothing in any common rotation. The faces stick by a spring, t = -k slip,
-as stiff as the contact where it is pressed, k = c_iB min(E_i, E_B) (S_iB/l)^2; where that exceeds mu N_iB, they slide
-and the spring keeps what mu N_iB holds (Cundall and Strack). So what sticks does not creep, but gives by at most mu
-times the depth to which the contact is pressed. A contact of single points has no spread C, and no friction.
+the sliding velocity where a face slides, and 0 in any common rotation. The faces stick by a spring, t = -k slip, as
+stiff as the contact where it is pressed, k = c_iB min(E_i, E_B) (S_iB/l)^2. Where that exceeds mu N_iB, they slide, and
+the spring is shortened to mu N_iB (Cundall and Strack). Sticking faces therefore do not creep, but yield by at most mu
+times the penetration of the contact. A contact of single points has no spread C, and no friction.
 
 References:
     Cundall, P. A. and Strack, O. D. L., Geotechnique 29 (1979) 47.
@@ -29,13 +29,13 @@ from warp_mps.core.types import NumericTypes
 from warp_mps.elastic.contact.kernels import contact_funcs
 
 METHOD = "elastic"
-# variance of the tangential distances that friction needs, in squares of half of the support; a lattice has 0.2
+# least variance of the tangential distances for friction, in squares of half of the support; a lattice has 0.2
 SPREAD = 0.1
 
 
 @functools.cache
 def friction_kernels(types: NumericTypes) -> SimpleNamespace:
-    """Kernels `grip`, `rub` and `add`."""
+    """Kernels `update_slip`, `add_friction` and `add_stored_energy`."""
     real, vec, mat = types.real, types.vec, types.mat
     funcs = contact_funcs(types)
     pair_support, weight, slope_ratio = funcs.pair_support, funcs.weight, funcs.slope_ratio
@@ -49,7 +49,7 @@ def friction_kernels(types: NumericTypes) -> SimpleNamespace:
         return half - wp.sqrt(wp.max(half * half - wp.determinant(c + wp.outer(n, n)), real(0.0)))
 
     @types.kernel(METHOD)
-    def grip(
+    def update_slip(
         # Model:
         per_thread: wp.int32,
         reference: wp.array(dtype=vec),
@@ -57,7 +57,7 @@ def friction_kernels(types: NumericTypes) -> SimpleNamespace:
         group: wp.array(dtype=wp.int32),
         stiffness: wp.array(dtype=real),
         softest: wp.array(dtype=real),
-        hold: wp.array(dtype=real, ndim=2),
+        spring_stiffness: wp.array(dtype=real, ndim=2),
         friction: wp.array(dtype=real, ndim=2),
         start: wp.array(dtype=wp.int32),
         listed: wp.array(dtype=wp.int32),
@@ -67,18 +67,19 @@ def friction_kernels(types: NumericTypes) -> SimpleNamespace:
         # State in:
         u: wp.array(dtype=vec),
         u_before: wp.array(dtype=vec),
-        push: wp.array(dtype=real, ndim=2),
+        slope: wp.array(dtype=real, ndim=2),
         # State in and out:
-        gripped: wp.array(dtype=wp.int32, ndim=2),
+        slip_group: wp.array(dtype=wp.int32, ndim=2),
         slip: wp.array(dtype=vec, ndim=2),
         # State out:
         pull_out: wp.array(dtype=vec, ndim=2),
         mean_out: wp.array(dtype=real, ndim=2),
         stored_out: wp.array(dtype=real),
     ):
-        """Pull and mean, a and a . mean over sum_j W, of every face, and its slip.
+        """Update the slip of every face, and find a / sum_j W and a . mean / sum_j W of its friction.
 
-        `gripped` is the group + 1 that a slip belongs to, 0 for none: it outlives the list of candidates.
+        The slip is advanced by slip' of the step, and shortened to mu N / k (return to the Coulomb limit).
+        `slip_group` is the group + 1 that a slip belongs to, 0 for none: it outlives the list of candidates.
         """
         for i in range(wp.tid() * per_thread, wp.min((wp.tid() + 1) * per_thread, start.shape[0] - 1)):
             stored = real(0.0)
@@ -88,12 +89,12 @@ def friction_kernels(types: NumericTypes) -> SimpleNamespace:
                 first = k
                 k = end[i, s]
                 place = wp.int32(-1)
-                for t in range(gripped.shape[1]):
-                    if gripped[i, t] == other + 1:
+                for t in range(slip_group.shape[1]):
+                    if slip_group[i, t] == other + 1:
                         place = t
                 pull_out[i, s] = vec()
                 mean_out[i, s] = real(0.0)
-                limit = friction[group[i], other] * push[i, s]
+                limit = friction[group[i], other] * slope[i, s]
                 if limit > real(0.0):
                     # the normal, and the pressing force
                     normal = vec()
@@ -119,7 +120,7 @@ def friction_kernels(types: NumericTypes) -> SimpleNamespace:
                         w = weight(real(0.5) * wp.length(y))
                         step = ((u[i] - u_before[i]) - (u[j] - u_before[j])) / unit
                         tangential = y - wp.dot(y, normal) * normal
-                        # y . dy in the middle of the step: nothing in a rotation, however large
+                        # y . dy in the middle of the step: 0 in a rotation, however large
                         gone = w * wp.dot(y - real(0.5) * step, step)
                         total += w
                         work += gone
@@ -139,7 +140,7 @@ def friction_kernels(types: NumericTypes) -> SimpleNamespace:
                     if place >= 0:
                         x += slip[i, place]
                     x -= wp.dot(x, normal) * normal
-                    spring = hold[group[i], other] * wp.min(stiffness[i], softest[other])
+                    spring = spring_stiffness[group[i], other] * wp.min(stiffness[i], softest[other])
                     far = spring * wp.length(x)
                     if far > limit:
                         x = (limit / far) * x
@@ -147,17 +148,17 @@ def friction_kernels(types: NumericTypes) -> SimpleNamespace:
                     pull_out[i, s] = a / unit
                     mean_out[i, s] = wp.dot(a, mean)
                     stored += real(0.5) * spring * wp.dot(x, x)
-                    for t in range(gripped.shape[1]):
-                        if place < 0 and gripped[i, t] == 0:
+                    for t in range(slip_group.shape[1]):
+                        if place < 0 and slip_group[i, t] == 0:
                             place = t
-                    gripped[i, place] = other + 1
+                    slip_group[i, place] = other + 1
                     slip[i, place] = x
                 elif place >= 0:
-                    gripped[i, place] = 0
+                    slip_group[i, place] = 0
             stored_out[i] = stored
 
     @types.kernel(METHOD)
-    def rub(
+    def add_friction(
         # Model:
         per_thread: wp.int32,
         reference: wp.array(dtype=vec),
@@ -176,14 +177,15 @@ def friction_kernels(types: NumericTypes) -> SimpleNamespace:
         # State in and out:
         u_before: wp.array(dtype=vec),
         stored_before: wp.array(dtype=real),
-        rubbed: wp.array(dtype=vec),
+        friction_before: wp.array(dtype=vec),
         contact: wp.array(dtype=vec),
         force: wp.array(dtype=vec),
         dissipated: wp.array(dtype=wp.float64),
     ):
-        """Add friction to the contact forces, and account for what it takes out: its work that no spring has stored.
+        """Add the friction f_i = sum_j (f_ij - f_ji) to the contact forces, and the energy that it dissipates.
 
-        The work is the mean of the forces at the ends of a step's move times the move, as velocity Verlet does it.
+        That is its work less the energy that the springs store. The work is the mean of the forces at the two ends of a
+        step times the displacement between them, which is the work in velocity Verlet.
         """
         for i in range(wp.tid() * per_thread, wp.min((wp.tid() + 1) * per_thread, start.shape[0] - 1)):
             total = vec()
@@ -199,19 +201,24 @@ def friction_kernels(types: NumericTypes) -> SimpleNamespace:
                                 factor -= wp.dot(pull[j, t], y) + mean[j, t]
                         total += (weight(wp.length(y) / pair_support(spacing[i], spacing[j])) * factor) * y
                 k = end[i, s]
-            work = wp.float64(wp.dot(rubbed[i] + total, u[i] - u_before[i]))
+            work = wp.float64(wp.dot(friction_before[i] + total, u[i] - u_before[i]))
             kept = wp.float64(stored[i]) - wp.float64(stored_before[i])
             dissipated[i] = dissipated[i] - wp.float64(0.5) * work - kept
             u_before[i] = u[i]
             stored_before[i] = stored[i]
-            rubbed[i] = total
+            friction_before[i] = total
             contact[i] = contact[i] + total
             force[i] = force[i] + total
 
     @types.kernel(METHOD)
-    def add(stored: wp.array(dtype=real), energy: wp.array(dtype=real)):
-        """Add what the springs of sticking faces hold."""
+    def add_stored_energy(
+        # State in:
+        stored: wp.array(dtype=real),
+        # State in and out:
+        energy: wp.array(dtype=real),
+    ):
+        """Add the energy 1/2 k |slip|^2 of the springs of sticking faces."""
         i = wp.tid()
         energy[i] = energy[i] + stored[i]
 
-    return SimpleNamespace(grip=grip, rub=rub, add=add)
+    return SimpleNamespace(update_slip=update_slip, add_friction=add_friction, add_stored_energy=add_stored_energy)

@@ -1,16 +1,18 @@
 """Contact: bodies touch at their faces, however the lattices that their particles lie on meet.
 
-What repels is not a pair of particles but the crowding q_iB of a particle i by another body B, a sum over all of B's
-particles within two spacings (`warp_mps.elastic.contact.law`). Where it exceeds 1, what a flat face does at touch, it
-stores V_iB = 1/2 k_iB (q_iB - 1)^2. With g_iB = dV_iB/dq_iB and A the body of i, the exact gradient is a pair force,
+The measure of contact is not the distance of two particles but the contact density q_iB of a particle i in another body
+B: a kernel sum over all of B's particles within two spacings (`warp_mps.elastic.contact.law`), normalized to 1 where
+flat faces touch. The excess over 1 stores V_iB = 1/2 k_iB (q_iB - 1)^2. With g_iB = dV_iB/dq_iB and A the body of i,
+the exact gradient is a pair force,
 
     f_ij = -(g_iB w_iB + g_jA w_jA) W'(|x_ij| / s) / s  (x_i - x_j) / |x_ij|
 
 central, equal and opposite: momentum, angular momentum and energy are kept. "Body" is a group of bonded bodies here, or
-a wall; self-contact is that of a group with itself, without its reference neighbours and what else was closer than two
-and a half spacings in the reference configuration.
+a wall. Self-contact is that of a group with itself; it leaves out particles that were closer than two and a half
+spacings in the reference configuration, and so the reference neighbours.
 
-A step sums twice over the candidates: the crowding, then the forces.
+A step sums twice over the candidates: the contact density, then the forces. `slope` is g_iB w_iB, the derivative of
+V_iB with respect to the kernel sum.
 """
 
 import functools
@@ -23,7 +25,7 @@ from warp_mps.core.weights import wendland_functions
 from warp_mps.elastic.contact.law import SUPPORT
 
 METHOD = "elastic"
-# particles that one thread of a device goes through: on a CPU most have no candidates, and a loop is faster than a call
+# particles of one thread: on a CPU most have no candidates, and a loop is faster than a call
 PARTICLES_PER_THREAD = {"cpu": 64, "cuda": 1}
 
 
@@ -34,7 +36,7 @@ def contact_funcs(types: NumericTypes) -> SimpleNamespace:
 
     @types.func(METHOD)
     def pair_support(a: real, b: real) -> real:
-        """Distance at which particles of two spacings cease to see each other."""
+        """Support of the kernel for particles of two spacings: s = 2 max(a, b) [m]."""
         return real(wp.static(SUPPORT)) * wp.max(a, b)
 
     wendland = wendland_functions(types)
@@ -45,13 +47,13 @@ def contact_funcs(types: NumericTypes) -> SimpleNamespace:
 
 @functools.cache
 def contact_kernels(types: NumericTypes) -> SimpleNamespace:
-    """Kernels `crowding` and `force`."""
+    """Kernels `contact_density` and `force`."""
     real, vec = types.real, types.vec
     funcs = contact_funcs(types)
     pair_support, weight, slope_ratio = funcs.pair_support, funcs.weight, funcs.slope_ratio
 
     @types.kernel(METHOD)
-    def crowding(
+    def contact_density(
         # Model:
         per_thread: wp.int32,
         reference: wp.array(dtype=vec),
@@ -68,11 +70,11 @@ def contact_kernels(types: NumericTypes) -> SimpleNamespace:
         end: wp.array(dtype=wp.int32, ndim=2),
         # State in:
         u: wp.array(dtype=vec),
-        # Out:
-        push_out: wp.array(dtype=real, ndim=2),
+        # State out:
+        slope_out: wp.array(dtype=real, ndim=2),
         energy_out: wp.array(dtype=real),
     ):
-        """g_iB w_iB of every group B that a particle faces, and the energy that its crowding stores."""
+        """g_iB w_iB of every group B that a particle faces, and the energy sum_B 1/2 g_iB (q_iB - 1)."""
         for i in range(wp.tid() * per_thread, wp.min((wp.tid() + 1) * per_thread, start.shape[0] - 1)):
             k = start[i]
             total = real(0.0)
@@ -89,7 +91,7 @@ def contact_kernels(types: NumericTypes) -> SimpleNamespace:
                 g = real(0.0)
                 if beyond > real(0.0):
                     g = scales[group[i], other] * wp.min(stiffness[i], softest[other]) * beyond
-                push_out[i, s] = g * w
+                slope_out[i, s] = g * w
                 total += real(0.5) * g * beyond
             energy_out[i] = total
 
@@ -107,13 +109,14 @@ def contact_kernels(types: NumericTypes) -> SimpleNamespace:
         end: wp.array(dtype=wp.int32, ndim=2),
         # State in:
         u: wp.array(dtype=vec),
-        push: wp.array(dtype=real, ndim=2),
+        slope: wp.array(dtype=real, ndim=2),
         stored: wp.array(dtype=real),
+        # State in and out:
+        total_force: wp.array(dtype=vec),
         # State out:
         contact_out: wp.array(dtype=vec),
-        force_out: wp.array(dtype=vec),
     ):
-        """Sum of the pair forces on a particle, also added to the other forces on it."""
+        """Contact force sum_j f_ij of a particle, also added to its total force."""
         for i in range(wp.tid() * per_thread, wp.min((wp.tid() + 1) * per_thread, start.shape[0] - 1)):
             n = faces[i]
             total = vec()
@@ -121,12 +124,12 @@ def contact_kernels(types: NumericTypes) -> SimpleNamespace:
             for s in range(n):
                 for m in range(k, end[i, s]):
                     j = listed[m]
-                    both = push[i, s]
-                    # most candidates store nothing
+                    both = slope[i, s]
+                    # most candidates have no contact energy
                     if stored[j] > real(0.0):
                         for t in range(faces[j]):
                             if facing[j, t] == group[i]:
-                                both += push[j, t]
+                                both += slope[j, t]
                     if both > real(0.0):
                         support = pair_support(spacing[i], spacing[j])
                         x = reference[j] - reference[i] + (u[j] - u[i])
@@ -134,6 +137,6 @@ def contact_kernels(types: NumericTypes) -> SimpleNamespace:
                 k = end[i, s]
             contact_out[i] = total
             if n > 0:
-                force_out[i] = force_out[i] + total
+                total_force[i] = total_force[i] + total
 
-    return SimpleNamespace(crowding=crowding, force=force)
+    return SimpleNamespace(contact_density=contact_density, force=force)

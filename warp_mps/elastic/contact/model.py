@@ -20,7 +20,7 @@ from warp_mps.scene import Scene
 
 # margin of the candidate list beyond the support of the law, in units of the smallest spacing
 SKIN = 0.35
-# bodies whose boxes are looked at before a particle's surroundings are
+# largest number of bodies whose bounding boxes are tested before the hash grid
 MOST_BOXES = 64
 
 
@@ -34,7 +34,7 @@ class Contacts:
     """Contact between the particles of a scene.
 
     Attributes:
-        friction: Its friction, None without.
+        friction: Its friction; None if frictionless.
     """
 
     def __init__(self, scene: Scene, particles: Particles, *, types: NumericTypes, device: Any) -> None:
@@ -42,7 +42,7 @@ class Contacts:
         n, spacings = particles.count, particles.spacings
         self._per_thread = PARTICLES_PER_THREAD["cpu" if wp.get_device(device).is_cpu else "cuda"]
         self._threads = -(-n // self._per_thread)
-        # of the smallest, or a coarse body would list more particles of a fine one than it has room for
+        # of the smallest spacing: with a larger one, lists of a coarse body beside a fine one would overflow
         self._margin = SKIN * float(spacings.min())
         self._reach = SUPPORT * float(spacings.max()) + self._margin
         self._within = int(scene.contact.between == "all")
@@ -70,7 +70,7 @@ class Contacts:
         self._start = wp.array(rows, dtype=wp.int32, device=device)
         self._listed = whole(int(rows[-1]))
         self._faces, self._facing, self._end = whole(n), whole((n, FACES)), whole((n, FACES))
-        self._push = wp.zeros((n, FACES), dtype=types.real, device=device)
+        self._slope = wp.zeros((n, FACES), dtype=types.real, device=device)
         self._energy = real(np.zeros(n))
         self._points = wp.zeros(n, dtype=types.vec3, device=device)
         self._u_listed = wp.zeros(n, dtype=types.vec, device=device)
@@ -82,7 +82,7 @@ class Contacts:
         self.friction = self._make_friction(scene, particles, groups, types)
 
     def initialize(self, state: ElasticState) -> None:
-        """List the candidates at the present positions, whether or not the list is stale; forget an overflow before."""
+        """Build the candidate list at the present positions, and reset the overflow."""
         self._overflow.zero_()
         self._stale.fill_(1)
         self.locate(state)
@@ -90,25 +90,25 @@ class Contacts:
             self.friction.initialize(state)
 
     def locate(self, state: ElasticState) -> None:
-        """Renew the list of candidates if a particle has moved far enough since it was made."""
+        """Rebuild the candidate list if a particle has moved by half of the margin since the last build."""
         inputs = [self._reference, self._margin, state.u, self._u_listed]
         wp.launch(self._search.locate, len(state.u), inputs, [self._points, self._stale], device=self._device)
         wp.capture_if(self._stale, self._list, state=state)
 
     def launch_force(self, state: ElasticState) -> None:
         """Add the contact forces."""
-        self._launch_crowding(state)
-        inputs = [self._per_thread, *self._places(), *self._candidates(), state.u, self._push, self._energy]
-        outputs = [state.contact, state.force]
+        self._launch_contact_density(state)
+        inputs = [self._per_thread, *self._places(), *self._candidates(), state.u, self._slope, self._energy]
+        outputs = [state.force, state.contact]
         wp.launch(self._kernels.force, self._threads, inputs, outputs, device=self._device)
         if self.friction:
             self.friction.launch(
-                state, self._places(), [self._stiffness, self._softest], self._candidates(), self._push
+                state, self._places(), [self._stiffness, self._softest], self._candidates(), self._slope
             )
 
     def launch_energy(self, state: ElasticState, energy_out: wp.array) -> None:
-        """Contact energy of every particle, with what friction has stored [J]."""
-        self._launch_crowding(state)
+        """Contact energy of every particle, with that of the springs of friction [J]."""
+        self._launch_contact_density(state)
         wp.copy(energy_out, self._energy)
         if self.friction:
             self.friction.add_energy(energy_out)
@@ -119,26 +119,26 @@ class Contacts:
         return particle - 1 if particle else None
 
     def evolving(self) -> list[wp.array]:
-        """Device arrays of what evolves; the list of candidates holds wherever the particles are when it is used."""
+        """Device arrays of what evolves; the candidate list is valid at any positions, since `locate` checks it."""
         return self.friction.evolving() if self.friction else []
 
     def arrays(self) -> dict[str, np.ndarray]:
-        """Host copies of what evolves, by name; the list of candidates is made anew."""
+        """Host copies of what evolves, by name; the candidate list is rebuilt."""
         return self.friction.arrays() if self.friction else {}
 
     def assign(self, arrays: dict[str, np.ndarray]) -> None:
-        """Take over arrays that `arrays` gave."""
+        """Continue from arrays that `arrays` gave."""
         if self.friction:
             self.friction.assign(arrays)
 
-    def _launch_crowding(self, state: ElasticState) -> None:
+    def _launch_contact_density(self, state: ElasticState) -> None:
         laws = [self._stiffness, self._softest, self._weights, self._scales]
         inputs = [self._per_thread, *self._places(), *laws, *self._candidates(), state.u]
-        outputs = [self._push, self._energy]
-        wp.launch(self._kernels.crowding, self._threads, inputs, outputs, device=self._device)
+        outputs = [self._slope, self._energy]
+        wp.launch(self._kernels.contact_density, self._threads, inputs, outputs, device=self._device)
 
     def _make_boxes(self, particles: Particles, groups: np.ndarray, types: NumericTypes) -> list[wp.array]:
-        """Chunks of the bodies, their boxes, and the group of each body; no bodies where the boxes would not pay."""
+        """Chunks of the bodies, their bounding boxes, and the group of each body; empty where boxes do not pay."""
         bodies = [] if self._within or len(particles.ranges) > MOST_BOXES else particles.ranges.tolist()
         chunks = [[(k, min(k + CHUNK, last)) for k in range(first, last, CHUNK)] for first, last in bodies]
         flat = np.array([chunk for rows in chunks for chunk in rows], np.int32).reshape(-1, 2)
@@ -160,8 +160,8 @@ class Contacts:
             return None
         _, first = np.unique(groups, return_index=True)
         own = particles.spacings[first]
-        hold = scene.contact.stiffness * own[:, None] ** (particles.dimension - 1) / (own[:, None] + own)
-        return Friction(particles.count, hold, friction, types=types, device=self._device)
+        spring_stiffness = scene.contact.stiffness * own[:, None] ** (particles.dimension - 1) / (own[:, None] + own)
+        return Friction(particles.count, spring_stiffness, friction, types=types, device=self._device)
 
     def _places(self) -> list[wp.array]:
         return [self._reference, self._spacing, self._group]
@@ -185,18 +185,18 @@ class Contacts:
         """Room in the list for the candidates of each particle, shape [n]."""
         kinds, kind = np.unique(particles.spacings, return_inverse=True)
 
-        def rooms(crowding: float) -> np.ndarray:
+        def rooms(filling: float) -> np.ndarray:
             reach = {(own, other): SUPPORT * max(own, other) + self._margin for own in kinds for other in kinds}
-            needs = [[capacity(particles.dimension, reach[a, b], b, crowding) for b in kinds] for a in kinds]
+            needs = [[capacity(particles.dimension, reach[a, b], b, filling) for b in kinds] for a in kinds]
             return np.max(needs, axis=1)[kind]
 
         found = rooms(0.0)
-        # in a corner walls take up nearly all that is about a particle
-        found[: particles.elastic] = rooms(_crowding(particles, self._reach))[: particles.elastic]
+        # in a corner, walls fill nearly the whole surroundings of a particle
+        found[: particles.elastic] = rooms(_corner_filling(particles, self._reach))[: particles.elastic]
         return found
 
 
-def _crowding(particles: Particles, reach: float) -> float:
+def _corner_filling(particles: Particles, reach: float) -> float:
     """Most particles of walls in a cube as wide as a reach, in units of a lattice's, at least 1; 0 without corners.
 
     There are more than a lattice's where walls meet, each on its own.

@@ -1,8 +1,8 @@
-"""The candidates of contact: for every particle the others that it could touch, group of bodies by group.
+"""The candidate list of contact: for every particle the others that it could touch, sorted by group of bodies.
 
-They are found with `wp.HashGrid` a little beyond the support of the contact law and are listed; the list is renewed,
-inside the replayed step, when a particle has moved half of that margin. Where a body is far from all others, which the
-boxes around the bodies show, nothing is searched.
+Candidates are found with `wp.HashGrid`, up to a margin beyond the support of the contact law. The list is rebuilt,
+inside the replayed step, when a particle has moved by half of that margin. Particles far from the bounding boxes of all
+other bodies are not searched.
 """
 
 import functools
@@ -14,9 +14,9 @@ from warp_mps.core.types import NumericTypes
 from warp_mps.elastic.contact.kernels import contact_funcs
 
 METHOD = "elastic"
-# groups of bodies that one particle can be near to
+# largest number of groups of bodies near one particle
 FACES = 8
-# particles that are boxed together
+# particles of one bounding box
 CHUNK = 256
 
 
@@ -39,11 +39,11 @@ def search_kernels(types: NumericTypes) -> SimpleNamespace:
         # State in:
         u: wp.array(dtype=vec),
         u_listed: wp.array(dtype=vec),
-        # Out:
+        # State out:
         points_out: wp.array(dtype=vec3),
         stale_out: wp.array(dtype=wp.int32),
     ):
-        """Positions for the grid, and whether any particle has moved by half of the margin since the last list."""
+        """Positions x = X + u for the grid, and whether any |u - u_listed| exceeds half of the margin."""
         i = wp.tid()
         x = reference[i] + u[i]
         point = vec3()
@@ -60,11 +60,11 @@ def search_kernels(types: NumericTypes) -> SimpleNamespace:
         chunks: wp.array(dtype=wp.vec2i),
         # State in:
         points: wp.array(dtype=vec3),
-        # Out:
+        # State out:
         low_out: wp.array(dtype=vec3),
         high_out: wp.array(dtype=vec3),
     ):
-        """Bounds of some particles of one body."""
+        """Bounding box of the particles of a chunk of a body: min_i x_i and max_i x_i."""
         c = wp.tid()
         low = points[chunks[c][0]]
         high = low
@@ -81,11 +81,11 @@ def search_kernels(types: NumericTypes) -> SimpleNamespace:
         # State in:
         low: wp.array(dtype=vec3),
         high: wp.array(dtype=vec3),
-        # Out:
+        # State out:
         low_out: wp.array(dtype=vec3),
         high_out: wp.array(dtype=vec3),
     ):
-        """Bounds of a body, from those of its chunks."""
+        """Bounding box of a body: the union of those of its chunks."""
         b = wp.tid()
         lowest = low[first[b]]
         highest = high[first[b]]
@@ -104,7 +104,7 @@ def search_kernels(types: NumericTypes) -> SimpleNamespace:
         high: wp.array(dtype=vec3),
         group: wp.array(dtype=wp.int32),
     ) -> wp.bool:
-        """Whether a body of another group can be within reach; so it is where there are no boxes."""
+        """Whether the box of a body of another group is within reach; true where there are no boxes."""
         near = low.shape[0] == 0
         for b in range(low.shape[0]):
             if group[b] != own and not near:
@@ -121,10 +121,10 @@ def search_kernels(types: NumericTypes) -> SimpleNamespace:
         apart: wp.array(dtype=real),
         within_group: wp.int32,
     ) -> wp.bool:
-        """Whether two particles can be in contact at all: not those of two walls, which are always apart."""
+        """Whether two particles can be in contact: wall-wall pairs are excluded."""
         if group[i] != group[j]:
             return not wp.isinf(wp.min(apart[i], apart[j]))
-        # what is near in the body as it was made is held apart by its elasticity
+        # reference neighbours are held apart by elasticity
         close = wp.length(reference[j] - reference[i]) < wp.max(apart[i], apart[j])
         return within_group == 1 and not close
 
@@ -146,7 +146,7 @@ def search_kernels(types: NumericTypes) -> SimpleNamespace:
         # State in:
         points: wp.array(dtype=vec3),
         u: wp.array(dtype=vec),
-        # Out:
+        # State out:
         listed_out: wp.array(dtype=wp.int32),
         faces_out: wp.array(dtype=wp.int32),
         facing_out: wp.array(dtype=wp.int32, ndim=2),
@@ -155,7 +155,7 @@ def search_kernels(types: NumericTypes) -> SimpleNamespace:
         stale_out: wp.array(dtype=wp.int32),
         overflow_out: wp.array(dtype=wp.int32),
     ):
-        """List what could come into contact, sorted, so that sums do not depend on when the list was made.
+        """Candidates j with |x_ij| < margin + support, sorted, so that sums do not depend on the age of the list.
 
         `start[i]` is where a particle's row begins; of its `faces[i]` groups, `facing[i, s]` is the group and
         `end[i, s]` one past its last entry.

@@ -1,4 +1,4 @@
-"""Rigid walls among the elastic particles: placed on their prescribed motions, felt by contact alone."""
+"""Rigid walls among the elastic particles: they move as prescribed, and act by contact alone."""
 
 from typing import Any
 
@@ -14,7 +14,7 @@ from warp_mps.walls.poses import Poses, moving_runs
 
 
 class Walls:
-    """The walls of a scene in the elastic state: its last particles, without mass, moved or at rest.
+    """The walls of a scene in the elastic state: its last particles, without mass, moving or at rest.
 
     Attributes:
         moving: Whether any wall moves.
@@ -33,32 +33,32 @@ class Walls:
         self._move = wp.zeros(self._count, dtype=types.vec, device=device)
         self._work = wp.zeros(self._count, dtype=wp.float64, device=device)
 
-    def drive(self, state: ElasticState, steps: wp.array) -> None:
-        """Place the moving walls at the time of the step."""
+    def move(self, state: ElasticState, steps: wp.array) -> None:
+        """Move the walls to their poses at the time of the step."""
         if self.moving:
             self.locate(steps)
         for first, count in self._runs:
             inputs = [first, self._first, self._wall, self._reference, *self._poses.arrays(), state.contact]
             outputs = [state.u, state.v, state.driven, self._move, self._work]
-            wp.launch(self._kernels.drive, count, inputs, outputs, device=self._device)
+            wp.launch(self._kernels.move_walls, count, inputs, outputs, device=self._device)
 
     def locate(self, steps: wp.array) -> None:
-        """Evaluate where the walls are after so many steps, without placing anything."""
+        """Evaluate the poses of the walls after a number of steps, without moving particles."""
         wp.launch(self._kernels.clock, 1, [steps, self._dt], [self._time], device=self._device)
         self._poses.evaluate(self._time)
 
-    def clear(self, state: ElasticState) -> None:
-        """Take the last step's forces off the walls, before contact adds the new ones."""
-        wp.launch(self._kernels.clear, self._count, [self._first], [state.force], device=self._device)
+    def clear_forces(self, state: ElasticState) -> None:
+        """Set the forces on the walls to 0, before contact adds those of the step."""
+        wp.launch(self._kernels.clear_forces, self._count, [self._first], [state.force], device=self._device)
 
-    def account(self, state: ElasticState) -> None:
+    def add_work(self, state: ElasticState) -> None:
         """Add the second half of the work of a step."""
         for first, count in self._runs:
             inputs = [first, self._first, state.contact, self._move]
-            wp.launch(self._kernels.drive_work, count, inputs, [self._work], device=self._device)
+            wp.launch(self._kernels.wall_work, count, inputs, [self._work], device=self._device)
 
     def work(self) -> float:
-        """Work done so far on what the walls touch [J]."""
+        """Work of the walls on the bodies so far [J]."""
         return float(np.sum(self._work.numpy()))
 
     def turns(self) -> tuple[np.ndarray, np.ndarray]:
@@ -71,10 +71,10 @@ class Walls:
         return [self._work]
 
     def arrays(self) -> dict[str, np.ndarray]:
-        """What evolves here, for a checkpoint; where the walls are follows from the time."""
+        """Host copies of what evolves, by name; the poses of the walls follow from the time."""
         return {"wall_work": self._work.numpy().copy()}
 
     def assign(self, arrays: dict[str, np.ndarray], steps: wp.array) -> None:
-        """Take over arrays that `arrays` gave."""
+        """Continue from arrays that `arrays` gave."""
         self._work.assign(arrays["wall_work"])
         self.locate(steps)

@@ -18,7 +18,7 @@ METHOD = "elastic"
 
 @functools.cache
 def motion_kernels(types: NumericTypes) -> SimpleNamespace:
-    """Kernels `drift`, `kick`, `damp`, `retard`, `add` and `tick`."""
+    """Kernels `drift`, `kick`, `damp`, `add_lagged_damping`, `add_force` and `count_step`."""
     real, vec = types.real, types.vec
 
     @types.kernel(METHOD)
@@ -80,7 +80,7 @@ def motion_kernels(types: NumericTypes) -> SimpleNamespace:
         dissipated[i] = dissipated[i] + loss
 
     @types.kernel(METHOD)
-    def retard(
+    def add_lagged_damping(
         # Model:
         first: wp.int32,
         dt: real,
@@ -107,7 +107,7 @@ def motion_kernels(types: NumericTypes) -> SimpleNamespace:
         dissipated[i] = dissipated[i] - wp.float64(loss)
 
     @types.kernel(METHOD)
-    def add(
+    def add_force(
         # State in:
         external: wp.array(dtype=vec),
         # State in and out:
@@ -118,8 +118,15 @@ def motion_kernels(types: NumericTypes) -> SimpleNamespace:
         force[i] = force[i] + external[i]
 
     @types.kernel(METHOD)
-    def tick(steps: wp.array(dtype=wp.int32)):
+    def count_step(steps: wp.array(dtype=wp.int32)):
         """Count a step. Times are multiples of dt, so that they do not drift."""
         steps[0] = steps[0] + 1
 
-    return SimpleNamespace(drift=drift, kick=kick, damp=damp, retard=retard, add=add, tick=tick)
+    return SimpleNamespace(
+        drift=drift,
+        kick=kick,
+        damp=damp,
+        add_lagged_damping=add_lagged_damping,
+        add_force=add_force,
+        count_step=count_step,
+    )

@@ -35,7 +35,7 @@ class LaggedDamping:
         state = self._parts.state
         inputs = [first, self._parts.dt, self._factor, state.v]
         outputs = [self._elastic, self._viscous, state.force, state.dissipated]
-        wp.launch(self._kernels.retard, count, inputs, outputs, device=self._parts.device)
+        wp.launch(self._kernels.add_lagged_damping, count, inputs, outputs, device=self._parts.device)
 
     def evolving(self) -> list[wp.array]:
         """Device arrays of what evolves: elastic and viscous forces of the last step."""

@@ -70,7 +70,7 @@ class ExplicitStep:
             self._lagged.start()
         if parts.contacts:
             self._add_contact(parts.contacts)
-        parts.boundary.push(state.force, parts.mass)
+        parts.boundary.add_loads(state.force, parts.mass)
         if parts.body_forces:
             parts.body_forces.apply(state, 0.0, state.force)
         self._kick(0.0, 0, parts.count)
@@ -114,7 +114,7 @@ class ExplicitStep:
         if contacts:
             phases.append(Phase("contact", lambda *_: self._add_contact(contacts)))
         if boundary.moving:
-            phases.append(Phase("loads", lambda *_: boundary.push(state.force, parts.mass)))
+            phases.append(Phase("loads", lambda *_: boundary.add_loads(state.force, parts.mass)))
         if parts.external is not None:
             phases.append(Phase("external", lambda *_: self._add_external()))
         return phases + self._body_forces()
@@ -161,32 +161,32 @@ class ExplicitStep:
         wp.launch(self._kernels.kick, count, inputs, [self._state.force, self._state.v], device=self._device)
 
     def _advance_prescribed(self) -> None:
-        wp.launch(self._kernels.tick, 1, [self._parts.boundary.steps], device=self._device)
+        wp.launch(self._kernels.count_step, 1, [self._parts.boundary.steps], device=self._device)
         self._move_prescribed()
 
     def _move_prescribed(self) -> None:
         """Place moving supports and walls."""
-        self._parts.boundary.drive(self._state, self._parts.mass)
+        self._parts.boundary.move_supports(self._state, self._parts.mass)
         if self._parts.walls:
-            self._parts.walls.drive(self._state, self._parts.boundary.steps)
+            self._parts.walls.move(self._state, self._parts.boundary.steps)
 
     def _add_contact(self, contacts: Contacts) -> None:
         if self._parts.walls:
-            self._parts.walls.clear(self._state)
+            self._parts.walls.clear_forces(self._state)
         contacts.launch_force(self._state)
 
     def _add_external(self) -> None:
         inputs, outputs = [self._parts.external], [self._state.force]
-        wp.launch(self._kernels.add, self._parts.count, inputs, outputs, device=self._device)
+        wp.launch(self._kernels.add_force, self._parts.count, inputs, outputs, device=self._device)
 
     def _add_work(self, dt: float) -> None:
         """Add the work of supports, loads, body forces and walls over a step."""
         parts = self._parts
-        parts.boundary.account(self._state, parts.mass, dt)
+        parts.boundary.add_work(self._state, parts.mass, dt)
         if parts.body_forces:
-            parts.body_forces.account(self._state.v, dt)
+            parts.body_forces.add_work(self._state.v, dt)
         if parts.walls:
-            parts.walls.account(self._state)
+            parts.walls.add_work(self._state)
 
     def _damp(self) -> None:
         """Mass-proportional damping over half a step."""

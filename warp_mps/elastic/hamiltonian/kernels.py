@@ -152,7 +152,7 @@ def hamiltonian_kernels(types: NumericTypes) -> SimpleNamespace:
         # State in:
         u: wp.array(dtype=vec),
         gradient: wp.array(dtype=mat),
-        # Out:
+        # State out:
         energy_out: wp.array(dtype=real),
     ):
         """Elastic energy of each particle: of its deformation, and of what that does not see."""

@@ -55,7 +55,7 @@ class NewtonStatistics:
     worst_residual: float = 0.0
 
 
-class _Look(NamedTuple):
+class _Evaluation(NamedTuple):
     """What the host sees of a state: norm of the residual, of its measure, the potential, and what it is the sum of."""
 
     residual: float
@@ -157,10 +157,10 @@ class Newton:
             Whether it was found; if not, the displacements are where the search ended.
         """
         tolerance = tolerance or self.tolerance
-        now = self._look("evaluate", self._evaluate)
+        now = self._evaluation("evaluate", self._evaluate)
         first = now.residual if measure else 0.0
         if guess:
-            now = self._better(now, guess)
+            now = self._try_guess(now, guess)
         iterations = 0
         while math.isfinite(now.residual):
             if not jumps and now.residual <= tolerance * max(now.scale, first):
@@ -176,15 +176,15 @@ class Newton:
             jumps = jumps and not whole
         return self._count(iterations, now.residual / (max(now.scale, first) or 1.0), found=False)
 
-    def _better(self, now: _Look, guess: Callable[[], None]) -> _Look:
+    def _try_guess(self, now: _Evaluation, guess: Callable[[], None]) -> _Evaluation:
         """Go to a guess, or stay where the residual is smaller."""
         wp.copy(self._kept, self._state.u)
         self._run("guess", guess)
-        there = self._look("evaluate", self._evaluate)
+        there = self._evaluation("evaluate", self._evaluate)
         if there.residual < now.residual:
             return there
         wp.copy(self._state.u, self._kept)
-        return self._look("evaluate", self._evaluate)
+        return self._evaluation("evaluate", self._evaluate)
 
     def worst_particle(self) -> int:
         """Where the search ended furthest from equilibrium, or first with a number that is none."""
@@ -198,7 +198,7 @@ class Newton:
         done.worst_residual = max(done.worst_residual, residual)
         return found
 
-    def _search(self, start: _Look, *, jumps: bool) -> tuple[_Look, bool] | None:
+    def _search(self, start: _Evaluation, *, jumps: bool) -> tuple[_Evaluation, bool] | None:
         """Make as much of the change as lowers the potential; whether it is all of it. None if no part of it does.
 
         While held axes are moved, the potential says nothing, and all is made that leaves numbers.
@@ -211,7 +211,7 @@ class Newton:
         part = 1.0
         for _ in range(MOST_HALVINGS):
             self._step.fill_(part)
-            now = self._look("try", self._try)
+            now = self._evaluation("try", self._try)
             slack = self._rounding * (abs(start.potential) + abs(now.potential) + slope)
             wanted = start.potential - ARMIJO * part * slope + slack
             falls = now.potential <= wanted
@@ -226,10 +226,10 @@ class Newton:
             part *= min(max(best, 0.1), 0.5)
         return None
 
-    def _look(self, name: str, launch: Callable[[], None]) -> _Look:
+    def _evaluation(self, name: str, launch: Callable[[], None]) -> _Evaluation:
         self._run(name, launch)
         numbers = self._numbers.numpy()
-        return _Look(
+        return _Evaluation(
             residual=math.sqrt(numbers[names.RESIDUAL]),
             scale=math.sqrt(numbers[names.SCALE]),
             potential=0.5 * float(numbers[names.POTENTIAL]),
@@ -246,9 +246,9 @@ class Newton:
         inputs = [self._free, self._mass, self.inertia, state.u, self.center, state.force, self.applied, self._energy]
         outputs = [vectors(self._residual), vectors(self._scale), self._potential]
         self._launch(self._kernels.residual, inputs, outputs)
-        self._note(names.RESIDUAL, self._sums[0].launch(self._residual, self._residual, self._change))
-        self._note(names.SCALE, self._sums[0].launch(self._scale, self._scale, self._scale))
-        self._note(names.POTENTIAL, self._sums[1].launch(self._potential, self._ones, self._potential))
+        self._store(names.RESIDUAL, self._sums[0].launch(self._residual, self._residual, self._change))
+        self._store(names.SCALE, self._sums[0].launch(self._scale, self._scale, self._scale))
+        self._store(names.POTENTIAL, self._sums[1].launch(self._potential, self._ones, self._potential))
 
     def _find_direction(self) -> None:
         reuse = self.preconditioner.reuse
@@ -264,7 +264,7 @@ class Newton:
         self._launch(kernels.jump, [self._free, self._state.u, self.target], [vectors(self._jump)])
         self.tangent.multiply(self._jump, self._pushed)
         inputs = [self._free, vectors(self._residual), vectors(self._pushed)]
-        self._launch(kernels.right_side, inputs, [vectors(self._right), vectors(self._change)])
+        self._launch(kernels.right_hand_side, inputs, [vectors(self._right), vectors(self._change)])
         self.solver.solve(self.tangent.operator, self._right, self._change)
         self._end_direction()
 
@@ -275,16 +275,16 @@ class Newton:
 
     def _end_direction(self) -> None:
         vectors = self.tangent.vectors
-        self._launch(self._kernels.combine, [vectors(self._jump)], [vectors(self._change)])
-        self._note(names.RESIDUAL, self._sums[0].launch(self._residual, self._residual, self._change))
+        self._launch(self._kernels.add_jump, [vectors(self._jump)], [vectors(self._change)])
+        self._store(names.RESIDUAL, self._sums[0].launch(self._residual, self._residual, self._change))
 
     def _try(self) -> None:
         inputs = [self._step, self._kept, self.tangent.vectors(self._change)]
         self._launch(self._kernels.trial, inputs, [self._state.u])
         self._evaluate()
 
-    def _note(self, place: int, sums: wp.array) -> None:
-        wp.launch(self._kernels.note, 1, [place, sums], [self._numbers], device=self._device)
+    def _store(self, place: int, sums: wp.array) -> None:
+        wp.launch(self._kernels.store_sums, 1, [place, sums], [self._numbers], device=self._device)
 
     def _launch(self, kernel: Any, inputs: list[Any], outputs: list[Any]) -> None:
         wp.launch(kernel, self._n, inputs, outputs, device=self._device)

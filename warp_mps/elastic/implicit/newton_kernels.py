@@ -22,7 +22,7 @@ RESIDUAL, SLOPE, SCALE, POTENTIAL, NUMBERS = 0, 1, 2, 3, 5
 
 @functools.cache
 def newton_kernels(types: NumericTypes) -> SimpleNamespace:
-    """Kernels `residual`, `jump`, `right_side`, `combine`, `trial` and `note`."""
+    """Kernels `residual`, `jump`, `right_hand_side`, `add_jump`, `trial` and `store_sums`."""
     real, vec, d = types.real, types.vec, types.dimension
     real64 = wp.float64
     vec64 = wp.types.vector(length=d, dtype=wp.float64)
@@ -39,7 +39,7 @@ def newton_kernels(types: NumericTypes) -> SimpleNamespace:
         force: wp.array(dtype=vec),
         applied: wp.array(dtype=vec),
         energy: wp.array(dtype=real),
-        # Out:
+        # State out:
         residual_out: wp.array(dtype=vec64),
         scale_out: wp.array(dtype=vec64),
         potential_out: wp.array(dtype=wp.float64),
@@ -67,7 +67,7 @@ def newton_kernels(types: NumericTypes) -> SimpleNamespace:
         # State in:
         u: wp.array(dtype=vec),
         target: wp.array(dtype=vec),
-        # Out:
+        # State out:
         change_out: wp.array(dtype=vec64),
     ):
         """What brings held axes to their places, 0 on free ones."""
@@ -79,13 +79,13 @@ def newton_kernels(types: NumericTypes) -> SimpleNamespace:
         change_out[i] = away
 
     @types.kernel(METHOD)
-    def right_side(
+    def right_hand_side(
         # Model:
         free: wp.array(dtype=vec),
         # State in:
         residual: wp.array(dtype=vec64),
         pushed: wp.array(dtype=vec64),
-        # Out:
+        # State out:
         right_out: wp.array(dtype=vec64),
         change_out: wp.array(dtype=vec64),
     ):
@@ -95,10 +95,10 @@ def newton_kernels(types: NumericTypes) -> SimpleNamespace:
         change_out[i] = vec64()
 
     @types.kernel(METHOD)
-    def combine(jump: wp.array(dtype=vec64), change_out: wp.array(dtype=vec64)):
+    def add_jump(jump: wp.array(dtype=vec64), change: wp.array(dtype=vec64)):
         """The changes of held axes beside those of the free ones."""
         i = wp.tid()
-        change_out[i] = change_out[i] + jump[i]
+        change[i] = change[i] + jump[i]
 
     @types.kernel(METHOD)
     def trial(
@@ -114,10 +114,10 @@ def newton_kernels(types: NumericTypes) -> SimpleNamespace:
         u_out[i] = vec(vec64(u_kept[i]) + step[0] * change[i])
 
     @types.kernel(METHOD)
-    def note(place: wp.int32, sums: wp.array(dtype=wp.vec2d), numbers_out: wp.array(dtype=wp.float64)):
+    def store_sums(place: wp.int32, sums: wp.array(dtype=wp.vec2d), numbers_out: wp.array(dtype=wp.float64)):
         """Two sums, where the host will read them."""
         numbers_out[place] = sums[0][0]
         numbers_out[place + 1] = sums[0][1]
 
-    made = (residual, jump, right_side, combine, trial, note)
+    made = (residual, jump, right_hand_side, add_jump, trial, store_sums)
     return SimpleNamespace(**{kernel.func.__name__: kernel for kernel in made})

@@ -56,7 +56,7 @@ class LoadSteps:
         self._free = wp.array(~held, dtype=types.vec, device=device)
         weights = np.outer(parts.masses, scene.gravity) if len(scene.gravity) else np.zeros(held.shape)
         self._load = wp.array(weights, dtype=types.vec, device=device)
-        parts.boundary.push(self._load, parts.mass, 0.0)
+        parts.boundary.add_loads(self._load, parts.mass, 0.0)
         self._ends = wp.array(_ends(scene, parts.particles), dtype=types.vec, device=device)
         self._factor = wp.zeros(1, dtype=wp.float64, device=device)
         self._part = wp.zeros(1, dtype=wp.float64, device=device)
@@ -116,12 +116,12 @@ class LoadSteps:
         for kept, now in zip(self._before, (state.u, state.force, newton.applied), strict=True):
             wp.copy(kept, now)
         self._factor.fill_(factor)
-        self._launch(self._kernels.ramp, [self._factor, self._load, self._ends], [newton.applied, newton.target])
+        self._launch(self._kernels.scale_loads, [self._factor, self._load, self._ends], [newton.applied, newton.target])
         # initial guess: the last increment, continued
         last = self._reached - self._earlier
         self._part.fill_((factor - self._reached) / last if last > 0.0 else 0.0)
-        self._launch(self._kernels.predict, [self._part, self._free, self._u_earlier], [state.u])
-        if not newton.solve(jumps=self._parts.boundary.driven):
+        self._launch(self._kernels.extrapolate_increment, [self._part, self._free, self._u_earlier], [state.u])
+        if not newton.solve(jumps=self._parts.boundary.supports_move):
             wp.copy(state.u, self._before[0])
             wp.copy(newton.applied, self._before[2])
             self._parts.evaluate_model()

@@ -11,17 +11,17 @@ from warp_mps.elastic.implicit.tangent_kernels import METHOD
 
 @functools.cache
 def step_kernels(types: NumericTypes) -> SimpleNamespace:
-    """Kernels of statics (`ramp`, `predict`, `static_work`) and of steps, in their order (`begin` to `complete`)."""
+    """Kernels of statics: `scale_loads` to `static_work`; of a step, in order: `assemble_step` to `total_force`."""
     real, vec, d = types.real, types.vec, types.dimension
     real64 = wp.float64
 
     @types.kernel(METHOD)
-    def ramp(
+    def scale_loads(
         # Model:
         factor: wp.array(dtype=wp.float64),
         load: wp.array(dtype=vec),
         place: wp.array(dtype=vec),
-        # Out:
+        # State out:
         applied_out: wp.array(dtype=vec),
         target_out: wp.array(dtype=vec),
     ):
@@ -32,7 +32,7 @@ def step_kernels(types: NumericTypes) -> SimpleNamespace:
         target_out[i] = part * place[i]
 
     @types.kernel(METHOD)
-    def predict(
+    def extrapolate_increment(
         # Model:
         part: wp.array(dtype=wp.float64),
         free: wp.array(dtype=vec),
@@ -70,7 +70,7 @@ def step_kernels(types: NumericTypes) -> SimpleNamespace:
         work[i] = work[i] + total
 
     @types.kernel(METHOD)
-    def begin(
+    def assemble_step(
         # Model:
         theta: wp.float64,
         damping: wp.float64,
@@ -84,7 +84,7 @@ def step_kernels(types: NumericTypes) -> SimpleNamespace:
         load_before: wp.array(dtype=vec),
         load: wp.array(dtype=vec),
         external: wp.array(dtype=vec),
-        # Out:
+        # State out:
         inertia_out: wp.array(dtype=wp.float64),
         u_before_out: wp.array(dtype=vec),
         center_out: wp.array(dtype=vec),
@@ -105,33 +105,33 @@ def step_kernels(types: NumericTypes) -> SimpleNamespace:
         applied_out[i] = pushed + mass[i] * gravity
 
     @types.kernel(METHOD)
-    def foresee(
+    def initial_guess(
         # Model:
         theta: wp.float64,
         dt: wp.array(dtype=wp.float64),
         free: wp.array(dtype=vec),
         # State in:
         u_before: wp.array(dtype=vec),
-        pace: wp.array(dtype=vec),
+        velocity: wp.array(dtype=vec),
         # State in and out:
         u: wp.array(dtype=vec),
     ):
-        """Where a pace leads to until t + theta dt, on free axes."""
+        """Where a velocity leads to until t + theta dt, on free axes."""
         i = wp.tid()
-        u[i] = u[i] + wp.cw_mul(free[i], u_before[i] + real(theta * dt[0]) * pace[i] - u[i])
+        u[i] = u[i] + wp.cw_mul(free[i], u_before[i] + real(theta * dt[0]) * velocity[i] - u[i])
 
     @types.kernel(METHOD)
-    def keep_pace(
+    def mean_velocity(
         # State in:
         dt: wp.array(dtype=wp.float64),
         u_before: wp.array(dtype=vec),
         u: wp.array(dtype=vec),
-        # Out:
-        pace_out: wp.array(dtype=vec),
+        # State out:
+        velocity_out: wp.array(dtype=vec),
     ):
         """Mean velocity over a step."""
         i = wp.tid()
-        pace_out[i] = (u[i] - u_before[i]) / real(dt[0])
+        velocity_out[i] = (u[i] - u_before[i]) / real(dt[0])
 
     @types.kernel(METHOD)
     def extrapolate(
@@ -189,7 +189,7 @@ def step_kernels(types: NumericTypes) -> SimpleNamespace:
         dissipated[i] = dissipated[i] + lost
 
     @types.kernel(METHOD)
-    def account(
+    def add_dissipation(
         # Model:
         theta: wp.float64,
         # State in:
@@ -206,7 +206,7 @@ def step_kernels(types: NumericTypes) -> SimpleNamespace:
         dissipated[i] = dissipated[i] + (theta - real64(0.5)) * real64(fall)
 
     @types.kernel(METHOD)
-    def complete(
+    def total_force(
         # Model:
         gravity: vec,
         mass: wp.array(dtype=real),
@@ -222,5 +222,15 @@ def step_kernels(types: NumericTypes) -> SimpleNamespace:
         elastic_out[i] = force[i]
         force[i] = force[i] + load[i] + external[i] + mass[i] * gravity
 
-    made = (ramp, predict, static_work, begin, foresee, keep_pace, extrapolate, account, complete)
+    made = (
+        scale_loads,
+        extrapolate_increment,
+        static_work,
+        assemble_step,
+        initial_guess,
+        mean_velocity,
+        extrapolate,
+        add_dissipation,
+        total_force,
+    )
     return SimpleNamespace(**{kernel.func.__name__: kernel for kernel in made})

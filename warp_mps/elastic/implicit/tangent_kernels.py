@@ -8,11 +8,11 @@ and the forces by -K du,
 
     (K du)_i = -sum_j omega_ij [(dB_i + dB_j) X_ij + (kappa_i + kappa_j) du_ij]
 
-K is symmetric, as the forces are the gradient of an energy. The operator of a step is K + m a, with the inertia a of
-the rule of time integration (0 in statics).
+K is symmetric, since the forces are the gradient of an energy. The operator of a step is K + m a, with the inertia a of
+the time integration rule (0 in statics).
 
-A diagonal block of K holds sums of V (C : (du (x) b)) b, C = dP/dH. They only have to precondition: C is taken as that
-of the linear law in a particle that is turned and stretched by F, which is exact at rest and positive always,
+A diagonal block of K holds sums of V (C : (du (x) b)) b, C = dP/dH. It is needed for preconditioning only: C is taken
+as that of the linear law in a particle that is rotated and stretched by F, which is exact at rest and always positive,
 
     V (C : (du (x) b)) b ~ V [(lambda + mu) (F b) (x) (F b) + mu |F b|^2 I] du
 """
@@ -50,10 +50,10 @@ def tangent_kernels(types: NumericTypes) -> SimpleNamespace:
         control: wp.array(dtype=wp.int32),
         x: wp.array(dtype=vec64),
         p: wp.array(dtype=vec64),
-        # Out:
+        # State out:
         direction_out: wp.array(dtype=vec),
     ):
-        """What the solver's pass multiplies: the solution so far in a fresh pass, else the search direction."""
+        """The vector that a pass of the solver multiplies: the solution x in a restart pass, else the direction p."""
         i = wp.tid()
         if control[RESTART] != 0:
             direction_out[i] = vec(x[i])
@@ -77,10 +77,10 @@ def tangent_kernels(types: NumericTypes) -> SimpleNamespace:
         # State in:
         gradient: wp.array(dtype=mat),
         direction: wp.array(dtype=vec),
-        # Out:
+        # State out:
         change_out: wp.array(dtype=mat),
     ):
-        """DB_i."""
+        """Change dB_i of B_i along a direction du."""
         i = wp.tid()
         total = pair_moment(i, start, index, bond, weight, direction)
         inverse = inverse_shape[i]
@@ -101,10 +101,10 @@ def tangent_kernels(types: NumericTypes) -> SimpleNamespace:
         # State in:
         direction: wp.array(dtype=vec),
         change: wp.array(dtype=mat),
-        # Out:
+        # State out:
         product_out: wp.array(dtype=vec64),
     ):
-        """(K + m a) du."""
+        """Product (K + m a) du of the tangent."""
         i = wp.tid()
         force = pair_force(i, start, index, bond, weight, kappa, direction, change)
         product_out[i] = (inertia[0] * real64(mass[i])) * vec64(direction[i]) - vec64(force)
@@ -138,11 +138,11 @@ def tangent_kernels(types: NumericTypes) -> SimpleNamespace:
         free: wp.array(dtype=vec),
         # State in:
         gradient: wp.array(dtype=mat),
-        # Out:
+        # State out:
         block_out: wp.array(dtype=mat64),
         inverse_out: wp.array(dtype=mat64),
     ):
-        """The block of a particle, and its inverse among the axes that are free."""
+        """Diagonal block D_i of K + m a, and its inverse among the free axes."""
         i = wp.tid()
         unit = wp.identity(n=wp.static(d), dtype=real)
         asymmetry = vec()
@@ -172,7 +172,14 @@ def tangent_kernels(types: NumericTypes) -> SimpleNamespace:
         inverse_out[i] = wp.inverse(held)
 
     @types.kernel(METHOD)
-    def precondition(inverse: wp.array(dtype=mat64), r: wp.array(dtype=vec64), z_out: wp.array(dtype=vec64)):
+    def precondition(
+        # State in:
+        inverse: wp.array(dtype=mat64),
+        r: wp.array(dtype=vec64),
+        # State out:
+        z_out: wp.array(dtype=vec64),
+    ):
+        """Block Jacobi preconditioner z_i = D_i^-1 r_i."""
         i = wp.tid()
         z_out[i] = inverse[i] * r[i]
 

@@ -70,8 +70,8 @@ class ThetaStep:
     def start(self) -> None:
         """Evaluate the forces of the initial state, with which the first step begins."""
         parts, state = self._parts, self._state
-        parts.boundary.place(state.u, state.v, state.driven, parts.mass, 0.0)
-        parts.boundary.push(self._load, parts.mass, 0.0)
+        parts.boundary.supports_at(state.u, state.v, state.driven, parts.mass, 0.0)
+        parts.boundary.add_loads(self._load, parts.mass, 0.0)
         if parts.body_forces:
             parts.body_forces.apply(state, 0.0, self._load)
         wp.copy(self._mean_velocity, state.v)
@@ -87,10 +87,10 @@ class ThetaStep:
         self._length.fill_(time - self._time)
         for kept, now in ((self._end, state.u), (self._end_velocity, state.v), (self._load_before, self._load)):
             wp.copy(kept, now)
-        boundary.place(self._end, self._end_velocity, state.driven, parts.mass, time)
+        boundary.supports_at(self._end, self._end_velocity, state.driven, parts.mass, time)
         self._find_load(time, ahead=time - self._time)
         self._replay("begin", self._assemble)
-        if not self.newton.solve(jumps=boundary.driven, measure=True, guess=self._guess, tolerance=tolerance):
+        if not self.newton.solve(jumps=boundary.supports_move, measure=True, guess=self._guess, tolerance=tolerance):
             wp.copy(state.u, self._u_before)
             wp.copy(self._load, self._load_before)
             self._complete()
@@ -143,7 +143,7 @@ class ThetaStep:
         """Loads and body forces at a time [s]; Python's body forces at the places x + ahead v."""
         parts = self._parts
         self._load.zero_()
-        parts.boundary.push(self._load, parts.mass, time)
+        parts.boundary.add_loads(self._load, parts.mass, time)
         if parts.body_forces:
             parts.body_forces.apply(self._state, time, self._load, ahead=ahead)
 
@@ -154,12 +154,12 @@ class ThetaStep:
         inputs = [self._theta, parts.damping, self._length, parts.gravity, parts.mass, state.u, state.v, self._end]
         inputs += [self._load_before, self._load, self.external]
         outputs = [newton.inertia, self._u_before, newton.center, newton.target, self._given, newton.applied]
-        self._launch(self._kernels.begin, inputs, outputs)
+        self._launch(self._kernels.assemble_step, inputs, outputs)
 
     def _guess(self) -> None:
         """Initial guess: the mean velocity of the last step, or of the last time that this one was taken."""
         inputs = [self._theta, self._length, self._free, self._u_before, self._mean_velocity]
-        self._launch(self._kernels.foresee, inputs, [self._state.u])
+        self._launch(self._kernels.initial_guess, inputs, [self._state.u])
 
     def _finish(self) -> None:
         """The end of the step, its forces, and its energy balance."""
@@ -169,14 +169,14 @@ class ThetaStep:
         self._launch(self._kernels.extrapolate, inputs, [state.u, state.v, self.work, state.dissipated])
         self._complete()
         inputs = [self._theta, self._u_before, self._elastic_before, state.u, self.elastic]
-        self._launch(self._kernels.account, inputs, [state.dissipated])
-        self._launch(self._kernels.keep_pace, [self._length, self._u_before, state.u], [self._mean_velocity])
+        self._launch(self._kernels.add_dissipation, inputs, [state.dissipated])
+        self._launch(self._kernels.mean_velocity, [self._length, self._u_before, state.u], [self._mean_velocity])
 
     def _complete(self) -> None:
         """The forces of the present state."""
         self._parts.evaluate_model()
         inputs = [self._parts.gravity, self._parts.mass, self._load, self.external]
-        self._launch(self._kernels.complete, inputs, [self.elastic, self._state.force])
+        self._launch(self._kernels.total_force, inputs, [self.elastic, self._state.force])
 
     def _launch(self, kernel: Any, inputs: list[Any], outputs: list[Any]) -> None:
         wp.launch(kernel, self._parts.count, inputs, outputs, device=self._parts.device)

@@ -137,8 +137,8 @@ class TwoLevelPreconditioner:
         kernels, vectors = self._kernels, self._tangent.vectors
         self._restrict(self._on, 0, r, self._wrench)
         inputs = [self._on, self._threads, int(self._parallel), *self._rows, self._inverse, self._wrench]
-        self._launch(kernels.respond, len(self._shares), inputs, [self._shares])
-        self._launch(kernels.collect, len(self._wrench), [self._on, self._threads, self._shares], [self._response])
+        self._launch(kernels.coarse_solve, len(self._shares), inputs, [self._shares])
+        self._launch(kernels.sum_shares, len(self._wrench), [self._on, self._threads, self._shares], [self._response])
         inputs = [self._on, self._of, self._free, self._arm, self._motions(self._response)]
         self._launch(kernels.prolong, self._n, inputs, [vectors(z)])
 
@@ -190,7 +190,7 @@ class TwoLevelPreconditioner:
         for colour in range(self._colours):
             for mode in range(self._modes):
                 inputs = [colour, mode, self._of, self._paint, self._free, self._arm]
-                self._launch(kernels.spread, self._n, inputs, [tangent.vectors(self._x)])
+                self._launch(kernels.rigid_motion, self._n, inputs, [tangent.vectors(self._x)])
                 tangent.multiply(self._x, self._q)
                 place = (colour * self._modes + mode) * self.aggregates.count
                 self._restrict(self._always, place, self._q, self._answers)
@@ -199,7 +199,7 @@ class TwoLevelPreconditioner:
         inputs = [on, self._part, self._order, self._free, self._arm, self._tangent.vectors(r)]
         self._launch(self._kernels.restrict, len(self._wrenches), inputs, [self._wrenches])
         inputs = [on, place, self._part_first, self._wrenches]
-        self._launch(self._kernels.gather, self.aggregates.count, inputs, [self._motions(out)])
+        self._launch(self._kernels.sum_parts, self.aggregates.count, inputs, [self._motions(out)])
 
     def _motions(self, flat: wp.array) -> wp.array:
         """The memory of coarse unknowns as those of one aggregate after the other."""

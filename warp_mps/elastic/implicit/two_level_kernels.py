@@ -11,7 +11,7 @@ from warp_mps.elastic.implicit.tangent_kernels import METHOD
 
 @functools.cache
 def two_level_kernels(types: NumericTypes) -> SimpleNamespace:
-    """Kernels `arms`, `spread`, `restrict`, `gather`, `respond`, `collect` and `prolong`.
+    """Kernels `arms`, `rigid_motion`, `restrict`, `sum_parts`, `coarse_solve`, `sum_shares` and `prolong`.
 
     A motion of an aggregate is a velocity of its centre and an angular velocity about it, 3 numbers in 2-D and 6 in
     3-D; what does work on it is a force and a moment. Nothing is done while `on` is 0.
@@ -55,7 +55,7 @@ def two_level_kernels(types: NumericTypes) -> SimpleNamespace:
         reference: wp.array(dtype=vec64),
         # State in:
         u: wp.array(dtype=vec),
-        # Out:
+        # State out:
         arm_out: wp.array(dtype=vec64),
     ):
         """From the centre of an aggregate to its particles, where they are now."""
@@ -70,7 +70,7 @@ def two_level_kernels(types: NumericTypes) -> SimpleNamespace:
             arm_out[i] = reference[i] + vec64(u[i]) - center
 
     @types.kernel(METHOD)
-    def spread(
+    def rigid_motion(
         colour: wp.int32,
         mode: wp.int32,
         # Model:
@@ -79,7 +79,7 @@ def two_level_kernels(types: NumericTypes) -> SimpleNamespace:
         free: wp.array(dtype=vec),
         # State in:
         arm: wp.array(dtype=vec64),
-        # Out:
+        # State out:
         x_out: wp.array(dtype=vec64),
     ):
         """One motion of all the aggregates of a colour at once."""
@@ -103,7 +103,7 @@ def two_level_kernels(types: NumericTypes) -> SimpleNamespace:
         # State in:
         arm: wp.array(dtype=vec64),
         r: wp.array(dtype=vec64),
-        # Out:
+        # State out:
         wrench_out: wp.array(dtype=modes),
     ):
         """Forces and moments on parts of the aggregates."""
@@ -117,14 +117,14 @@ def two_level_kernels(types: NumericTypes) -> SimpleNamespace:
         wrench_out[part] = total
 
     @types.kernel(METHOD)
-    def gather(
+    def sum_parts(
         on: counts,
         place: wp.int32,
         # Model:
         first: counts,
         # State in:
         parts: wp.array(dtype=modes),
-        # Out:
+        # State out:
         wrench_out: wp.array(dtype=modes),
     ):
         """Those on the parts of an aggregate together, from a place on."""
@@ -137,7 +137,7 @@ def two_level_kernels(types: NumericTypes) -> SimpleNamespace:
         wrench_out[place + a] = total
 
     @types.kernel(METHOD)
-    def respond(
+    def coarse_solve(
         on: counts,
         shares: wp.int32,
         by_columns: wp.int32,
@@ -148,7 +148,7 @@ def two_level_kernels(types: NumericTypes) -> SimpleNamespace:
         # State in:
         inverse: numbers,
         wrenches: numbers,
-        # Out:
+        # State out:
         motion_out: numbers,
     ):
         """A share of a row of the inverse, of its body's block, times forces and moments, in four strands for speed.
@@ -189,7 +189,7 @@ def two_level_kernels(types: NumericTypes) -> SimpleNamespace:
         motion_out[t] = (a + b) + (c + e)
 
     @types.kernel(METHOD)
-    def collect(on: counts, shares: wp.int32, parts: numbers, motion_out: numbers):
+    def sum_shares(on: counts, shares: wp.int32, parts: numbers, motion_out: numbers):
         """The shares of a row together."""
         row = wp.tid()
         if on[0] == 0:
@@ -208,16 +208,16 @@ def two_level_kernels(types: NumericTypes) -> SimpleNamespace:
         # State in:
         arm: wp.array(dtype=vec64),
         motions: wp.array(dtype=modes),
-        # Out:
-        z_out: wp.array(dtype=vec64),
+        # State in and out:
+        z: wp.array(dtype=vec64),
     ):
-        """The motions of the aggregates, added to what is there."""
+        """Coarse correction z += P m: the rigid motions m of the aggregates at their particles."""
         i = wp.tid()
         if on[0] == 0:
             return
         a = aggregate[i]
         if a >= 0:
-            z_out[i] = z_out[i] + wp.cw_mul(vec64(free[i]), motion(arm[i], motions[a]))
+            z[i] = z[i] + wp.cw_mul(vec64(free[i]), motion(arm[i], motions[a]))
 
-    made = (arms, spread, restrict, gather, respond, collect, prolong)
+    made = (arms, rigid_motion, restrict, sum_parts, coarse_solve, sum_shares, prolong)
     return SimpleNamespace(**{kernel.func.__name__: kernel for kernel in made})

@@ -24,17 +24,23 @@ def energy_kernels(types: NumericTypes) -> SimpleNamespace:
         # State in:
         u: wp.array(dtype=vec),
         v: wp.array(dtype=vec),
-        # Out:
+        # State out:
         kinetic_out: wp.array(dtype=real),
         potential_out: wp.array(dtype=real),
     ):
-        """Kinetic energy of the translation, and potential energy from each reference position."""
+        """Kinetic energy 1/2 m |v|^2 of the translation, and potential energy -m g . u from the reference position."""
         i = wp.tid()
         kinetic_out[i] = real(0.5) * mass[i] * wp.dot(v[i], v[i])
         potential_out[i] = -mass[i] * wp.dot(gravity, u[i])
 
     @types.kernel(METHOD)
-    def chunk_sums(values: wp.array(dtype=real), sums_out: wp.array(dtype=wp.float64)):
+    def chunk_sums(
+        # State in:
+        values: wp.array(dtype=real),
+        # State out:
+        sums_out: wp.array(dtype=wp.float64),
+    ):
+        """Sums of CHUNK consecutive values, in double precision."""
         c = wp.tid()
         total = wp.float64(0.0)
         for i in range(c * CHUNK, wp.min((c + 1) * CHUNK, values.shape[0])):

@@ -71,7 +71,7 @@ def stress_kernels(types: NumericTypes) -> SimpleNamespace:
         plane_stress: wp.int32,
         # State in:
         gradient: wp.array(dtype=mat),
-        # Out:
+        # State out:
         stress_out: wp.array(dtype=tensor),
         strain_out: wp.array(dtype=tensor),
     ):
@@ -95,7 +95,7 @@ def stress_kernels(types: NumericTypes) -> SimpleNamespace:
         plane_stress: wp.int32,
         # State in:
         gradient: wp.array(dtype=mat),
-        # Out:
+        # State out:
         density_out: wp.array(dtype=real),
     ):
         """Strain energy per reference volume."""
@@ -112,7 +112,7 @@ def stress_kernels(types: NumericTypes) -> SimpleNamespace:
         # State in:
         u: wp.array(dtype=vec),
         q: wp.array(dtype=rotor),
-        # Out:
+        # State out:
         gradient_out: wp.array(dtype=mat),
     ):
         """H = F - I by least squares, with the weights w/|X|^2; directions without neighbours turn with the particle.

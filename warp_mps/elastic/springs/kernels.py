@@ -164,6 +164,7 @@ def spring_kernels(types: NumericTypes) -> SimpleNamespace:
         force_out: wp.array(dtype=vec),
         torque_out: wp.array(dtype=axial),
     ):
+        """Force -dV/du_i and torque of a particle: sums over its pairs of eqs. 4 and 9 to 14."""
         i = first + wp.tid()
         u_i = u[i]
         q_i = q[i]
@@ -195,7 +196,7 @@ def spring_kernels(types: NumericTypes) -> SimpleNamespace:
         # State out:
         energy_out: wp.array(dtype=real),
     ):
-        """Elastic energy of each particle: half of its springs, and its volume change."""
+        """Elastic energy of each particle: half of that of its springs, and 1/2 V0 lambda (div u)_i^2."""
         i = wp.tid()
         springs = real(0.0)
         div = real(0.0)

@@ -1,4 +1,11 @@
-"""Kernels of the particles' own rotation: the same velocity Verlet as for the translation."""
+"""Kernels of the particles' own rotation: velocity Verlet, as for the translation (eq. 4 of the paper).
+
+    omega += dt/2 tau/I,   q <- advance(q, omega, dt),   torques tau,   omega += dt/2 tau/I
+
+References:
+    Robortella, M. S., Nishimoto, K. and Cheng, L.-Y., Dynamic analyses of elastic structures by using the moving
+    particle semi-implicit method (MPS), equation 4.
+"""
 
 import functools
 from types import SimpleNamespace
@@ -28,6 +35,7 @@ def rotation_kernels(types: NumericTypes) -> SimpleNamespace:
         q: wp.array(dtype=rotor),
         omega: wp.array(dtype=axial),
     ):
+        """Half a kick omega += dt/2 tau/I with the torques of the last step, then the rotation by omega dt."""
         i = first + wp.tid()
         omega_i = omega[i] + (real(0.5) * dt * inverse_inertia[i]) * torque[i]
         omega[i] = omega_i
@@ -43,6 +51,7 @@ def rotation_kernels(types: NumericTypes) -> SimpleNamespace:
         # State in and out:
         omega: wp.array(dtype=axial),
     ):
+        """The second half of the kick, omega += dt/2 tau/I."""
         i = first + wp.tid()
         omega[i] = omega[i] + (real(0.5) * dt * inverse_inertia[i]) * torque[i]
 
@@ -56,7 +65,7 @@ def rotation_kernels(types: NumericTypes) -> SimpleNamespace:
         omega: wp.array(dtype=axial),
         dissipated: wp.array(dtype=wp.float64),
     ):
-        """Mass-proportional damping over half a step, as for the velocity."""
+        """Mass-proportional damping over half a step: omega *= exp(-damping dt/2), with its energy loss."""
         i = wp.tid()
         if inverse_inertia[i] > real(0.0):
             before = omega[i]
@@ -71,11 +80,11 @@ def rotation_kernels(types: NumericTypes) -> SimpleNamespace:
         inertia: wp.array(dtype=real),
         # State in:
         omega: wp.array(dtype=axial),
-        # Out:
-        kinetic_out: wp.array(dtype=real),
+        # State in and out:
+        kinetic: wp.array(dtype=real),
     ):
-        """Add the kinetic energy of the rotation."""
+        """Kinetic energy of the rotation, added: T_i += 1/2 I_i |omega_i|^2."""
         i = wp.tid()
-        kinetic_out[i] = kinetic_out[i] + real(0.5) * inertia[i] * wp.dot(omega[i], omega[i])
+        kinetic[i] = kinetic[i] + real(0.5) * inertia[i] * wp.dot(omega[i], omega[i])
 
     return SimpleNamespace(drift=drift, kick=kick, damp=damp, add_kinetic=add_kinetic)
