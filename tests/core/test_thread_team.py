@@ -68,7 +68,7 @@ def test_a_closed_team_has_no_threads_and_does_not_run(threads: list[threading.T
         team.close()
     assert team.closed
     assert not any(thread.is_alive() for thread in threads)
-    with pytest.raises(RuntimeError, match="the threads have ended"):
+    with pytest.raises(RuntimeError, match="the team of threads is closed"):
         team.run(1)
 
 
@@ -92,6 +92,6 @@ def test_an_error_in_any_thread_is_raised_and_ends_them_all(
     assert reached[failing] == max(reached) == 2
     assert team.closed
     assert not any(thread.is_alive() for thread in threads)
-    with pytest.raises(RuntimeError, match="the threads have ended"):
+    with pytest.raises(RuntimeError, match="the team of threads is closed"):
         team.run(1)
     assert done == reached

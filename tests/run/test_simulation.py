@@ -165,7 +165,7 @@ def test_a_run_goes_on_from_a_restored_state_after_a_failure_within_a_step(
     with pytest.raises(MemoryError, match="full"):
         simulation.advance(BLOCK)
     assert simulation.step == 20
-    with pytest.raises(RuntimeError, match="the threads have ended"):
+    with pytest.raises(RuntimeError, match="the team of threads is closed"):
         simulation.advance(1)
     simulation.restore(saved)
     assert_same_bits(states(simulation, BLOCK, 8), states(clean, 20, BLOCK, 8)[1:])

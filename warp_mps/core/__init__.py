@@ -1,1 +1,1 @@
-"""What every method shares: number types, weights, rotations, neighbours. Knows no method."""
+"""Building blocks of all methods: number types, weights, rotations, neighbour lists, linear solvers, graphs."""

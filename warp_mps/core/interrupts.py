@@ -1,4 +1,4 @@
-"""Work that must not be torn apart by Ctrl-C, and what an interrupt sets off, by a second one."""
+"""Interrupts (Ctrl-C, SIGINT): deferring one until a section of code has ended, and ignoring a second one."""
 
 import _thread
 import contextlib
@@ -10,9 +10,9 @@ from types import FrameType
 
 @contextlib.contextmanager
 def defer_interrupts() -> Iterator[None]:
-    """Let what is inside end before an interrupt (SIGINT) takes effect; an error inside comes before the interrupt."""
+    """Defer an interrupt (SIGINT) until the body has ended; an error of the body takes precedence."""
     handler = signal.getsignal(signal.SIGINT)
-    # only the main thread is ever interrupted; a handler that is not Python's cannot be called, nor put back
+    # only the main thread is interrupted; a handler that is not Python's can be neither called nor restored
     if threading.current_thread() is not threading.main_thread() or not callable(handler):
         yield
         return
@@ -26,12 +26,12 @@ def defer_interrupts() -> Iterator[None]:
         handler(*held[0])
 
 
-# time after which an interrupt comes back that met a finalizer [s]
-LATER = 0.01
+# delay of an interrupt that arrived in a finalizer [s]
+FINALIZER_DELAY = 0.01
 
 
-def _finalizes(frame: FrameType | None) -> bool:
-    """Whether a frame belongs to a finalizer: an exception there is printed and forgotten."""
+def _in_finalizer(frame: FrameType | None) -> bool:
+    """Whether a frame belongs to a finalizer, where Python prints and discards exceptions."""
     while frame is not None and frame.f_code.co_name != "__del__":
         frame = frame.f_back
     return frame is not None
@@ -39,9 +39,9 @@ def _finalizes(frame: FrameType | None) -> bool:
 
 @contextlib.contextmanager
 def first_interrupt_only() -> Iterator[None]:
-    """Let the first interrupt (SIGINT) take effect and no other, so that what it sets off comes to its end.
+    """Let the first interrupt (SIGINT) take effect and ignore others, so that the clean-up is not interrupted.
 
-    One that arrives in a finalizer takes effect a little later.
+    An interrupt that arrives in a finalizer takes effect after `FINALIZER_DELAY`.
     """
     handler = signal.getsignal(signal.SIGINT)
     if threading.current_thread() is not threading.main_thread() or not callable(handler):
@@ -51,8 +51,8 @@ def first_interrupt_only() -> Iterator[None]:
 
     def once(number: int, frame: FrameType | None) -> None:
         nonlocal interrupted
-        if not interrupted and _finalizes(frame):
-            threading.Timer(LATER, _thread.interrupt_main).start()
+        if not interrupted and _in_finalizer(frame):
+            threading.Timer(FINALIZER_DELAY, _thread.interrupt_main).start()
         elif not interrupted:
             interrupted = True
             handler(number, frame)

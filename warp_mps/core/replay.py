@@ -1,4 +1,4 @@
-"""Launches that are captured once and replayed, or made one by one with the same result."""
+"""Launches that are captured as graphs and replayed, or made one by one with the same result."""
 
 from __future__ import annotations
 
@@ -9,18 +9,18 @@ import warp as wp
 
 
 def capture(launch: Callable[[], None], device: Any) -> Any:
-    """A graph of what is launched, which `warp.capture_launch` runs; nothing of it is run yet."""
+    """Capture launches as a graph for `warp.capture_launch`, without running them."""
     with wp.ScopedCapture(device=device) as captured:
         launch()
     return captured.graph
 
 
 class Replay:
-    """Replays what was launched under a name before.
+    """Replays the graph of the launches that were captured under a name.
 
     Args:
         device: Warp device.
-        graphs: Whether to; if not, everything is launched anew.
+        graphs: Whether to use graphs; if not, everything is launched each time.
     """
 
     def __init__(self, *, device: Any, graphs: bool) -> None:
@@ -28,7 +28,7 @@ class Replay:
         self._graphs: dict[str, Any] = {}
 
     def __call__(self, name: str, launch: Callable[[], None]) -> None:
-        """Launch; under one name always the same, for only the contents of arrays may change."""
+        """Launch. Under one name the launches must always be the same: only the contents of arrays may change."""
         if not self._use_graphs:
             launch()
             return
@@ -37,5 +37,5 @@ class Replay:
         wp.capture_launch(self._graphs[name])
 
     def forget(self) -> None:
-        """Capture everything anew, for arrays have been replaced."""
+        """Drop all graphs, because arrays have been replaced."""
         self._graphs.clear()

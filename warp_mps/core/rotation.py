@@ -1,4 +1,4 @@
-"""Rotation of particles in 2-D and 3-D, the only algebra that differs between the two.
+"""Rotation of particles in 2-D and 3-D.
 
 A particle carries a rotor. In 3-D it is the unit quaternion (w, x, y, z). In 2-D it is (cos(theta/4), sin(theta/4)),
 the square root of the quaternion about the normal, because the product of two particles' rotors is then the quaternion
@@ -17,7 +17,7 @@ from warp_mps.core.types import NumericTypes
 
 @functools.cache
 def rotation_funcs(types: NumericTypes, method: str) -> SimpleNamespace:
-    """Device functions `cross`, `mean_rotor`, `turn`, `torque_share` and `advance` for a types."""
+    """Device functions `cross`, `mean_rotor`, `turn`, `torque_share` and `advance` of one dimension and precision."""
     return _plane_funcs(types, method) if types.dimension == 2 else _space_funcs(types, method)
 
 

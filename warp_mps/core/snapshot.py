@@ -1,4 +1,4 @@
-"""A state that can be gone back to, all of it on the device."""
+"""A snapshot of a state on the device, which can be restored."""
 
 from __future__ import annotations
 
@@ -8,21 +8,21 @@ import warp as wp
 
 
 class Snapshot:
-    """A copy of arrays.
+    """A copy of the contents of arrays.
 
     Args:
-        arrays: What evolves.
+        arrays: The arrays of the state.
     """
 
     def __init__(self, arrays: Sequence[wp.array]) -> None:
         self._pairs = [(array, wp.empty_like(array)) for array in arrays if array.size]
 
     def save(self) -> None:
-        """Keep the present contents."""
+        """Copy the present contents."""
         for array, kept in self._pairs:
             wp.copy(kept, array)
 
     def restore(self) -> None:
-        """Go back to the contents that were kept."""
+        """Restore the contents of the last `save`."""
         for array, kept in self._pairs:
             wp.copy(array, kept)

@@ -1,7 +1,7 @@
-"""Several CPU threads on one step, each replaying graphs of its own on its share of the particles.
+"""A team of CPU threads that share a step, each replaying graphs of its own on its part of the particles.
 
-Warp runs a launch on the CPU in one thread, but lets other threads run meanwhile. A step is cut into sections; between
-two sections all threads wait for each other, and within one no thread reads what another writes.
+Warp runs a launch on the CPU in one thread, without holding up other threads. A step is divided into sections. The
+threads meet at a barrier between two sections; within a section no thread reads what another one writes.
 """
 
 import itertools
@@ -11,12 +11,12 @@ from collections.abc import Callable, Iterable, Sequence
 from queue import SimpleQueue
 
 Task = Callable[[], None]
-# how often to go through the sections, or None: to end
+# number of repetitions of the sections, or None to end the thread
 Orders = SimpleQueue[int | None]
 
 
 class ThreadTeam:
-    """Threads that go through the same sections side by side; they end with the team.
+    """Threads that run the same sections in parallel; they end with the team.
 
     Args:
         sections: For each section, a task for each thread; None where a thread has nothing to do.
@@ -24,11 +24,12 @@ class ThreadTeam:
     """
 
     def __init__(self, sections: Sequence[Sequence[Task | None]], threads: int) -> None:
-        self._course = course = _Sections(sections, threads)
+        self._shared = shared = _Sections(sections, threads)
         self._orders: list[Orders] = [SimpleQueue() for _ in range(1, threads)]
-        # daemons, so that a program that ends does not wait for them; none of them may hold the team, see `_dismissal`
+        # daemons, so that a program can end without waiting for them; they hold no reference to the team, so that it
+        # can be finalized
         self._threads = [
-            threading.Thread(target=course.serve, args=(number, orders), daemon=True)
+            threading.Thread(target=shared.serve, args=(number, orders), daemon=True)
             for number, orders in enumerate(self._orders, start=1)
         ]
         for thread in self._threads:
@@ -41,41 +42,43 @@ class ThreadTeam:
         return not self._dismissal.alive
 
     def run(self, repetitions: int) -> None:
-        """Go through all sections this many times.
+        """Run all sections a number of times.
 
-        After an error, of whichever thread, or an interrupt no one knows who has done what: the team is closed.
+        After an error of any thread, or an interrupt, the state of the others is unknown, and the team is closed.
 
         Raises:
             RuntimeError: The team is closed.
-            BaseException: What a task has raised.
+            BaseException: The exception of a task.
         """
         if self.closed:
-            raise RuntimeError("the threads have ended: they were closed, or one of them failed")
+            raise RuntimeError(
+                "the team of threads is closed, by `close` or after a failure, must be open: make a new one"
+            )
         try:
             for orders in self._orders:
                 orders.put(repetitions)
-            self._course.follow(0, repetitions)
+            self._shared.follow(0, repetitions)
         except threading.BrokenBarrierError:
             self.close()
-            raise self._course.failures[0] from None
+            raise self._shared.failures[0] from None
         except BaseException:
             self.close()
             raise
 
     def close(self) -> None:
-        """End the threads, after the tasks that they are at."""
-        self._course.barrier.abort()
+        """End the threads, after their present tasks."""
+        self._shared.barrier.abort()
         self._dismissal()
         for thread in self._threads:
             thread.join()
 
 
 class _Sections:
-    """What the threads of a team share.
+    """The sections of a team and its barrier, shared by all its threads.
 
     Attributes:
-        barrier: Where they wait for each other; broken once one of them has failed.
-        failures: What tasks have raised, in the threads that serve.
+        barrier: Barrier between two sections; broken once a thread has failed.
+        failures: Exceptions of tasks, in all threads but the caller's.
     """
 
     def __init__(self, sections: Sequence[Sequence[Task | None]], threads: int) -> None:
@@ -84,7 +87,7 @@ class _Sections:
         self._sections = sections
 
     def follow(self, number: int, repetitions: int) -> None:
-        """Go through all sections as one of the threads.
+        """Run all sections as one of the threads.
 
         Raises:
             BrokenBarrierError: Another thread has failed.
@@ -97,19 +100,19 @@ class _Sections:
                 self.barrier.wait()
 
     def serve(self, number: int, orders: Orders) -> None:
-        """Follow orders until there are no more, or until a thread fails."""
+        """Run the sections as often as ordered, until ended or until a thread fails."""
         try:
             while (repetitions := orders.get()) is not None:
                 self.follow(number, repetitions)
         except threading.BrokenBarrierError:
-            pass  # the thread that has failed says why
+            pass  # the failed thread reports the reason
         except BaseException as error:
             self.failures.append(error)
             self.barrier.abort()
 
 
 def _dismiss(teams_orders: Iterable[Orders]) -> None:
-    # a finalizer may come at any point of any thread, where a barrier could not be touched but a queue can
+    # a finalizer may run at any point of any thread, where a queue is safe to use and a barrier is not
     for orders in teams_orders:
         orders.put(None)
 

@@ -14,10 +14,10 @@ PRECISIONS = ("float64", "float32")
 
 @dataclass(frozen=True)
 class NumericTypes:
-    """Types that kernels of one dimension and precision are written with.
+    """Number types of kernels of one dimension and precision.
 
-    Kernels are made by cached factories that take a types, so that 2-D and 3-D, float64 and float32 come from the same
-    lines. All kernels of one types and one method share one Warp module, which is compiled once.
+    Kernels are made by cached factories that take these types, so that 2-D and 3-D, float64 and float32 come from the
+    same lines. All kernels of one method and the same types share one Warp module, which is compiled once.
 
     Attributes:
         dimension: 2 or 3.
@@ -54,7 +54,7 @@ class NumericTypes:
 
     @property
     def vec3(self) -> Any:
-        """3-vector, which `wp.HashGrid` asks for in 2-D as well."""
+        """3-vector, which `wp.HashGrid` requires in 2-D as well."""
         return wp.types.vector(length=3, dtype=self.real)
 
     def module(self, method: str) -> str:
@@ -78,5 +78,7 @@ def numeric_types(dimension: int, precision: str = "float64") -> NumericTypes:
         ValueError: No such dimension or precision.
     """
     if dimension not in (2, 3) or precision not in PRECISIONS:
-        raise ValueError(f"dimension {dimension} and precision {precision!r}: must be 2 or 3, and one of {PRECISIONS}")
+        raise ValueError(
+            f"dimension is {dimension}, must be 2 or 3, and precision is {precision!r}, must be one of {PRECISIONS}"
+        )
     return NumericTypes(dimension, precision)

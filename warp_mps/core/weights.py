@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 # distances below this share of r_e count as this share, so that two particles in one place have a finite weight
 LEAST_DISTANCE = 1.0e-6
-# a lattice places neighbours exactly at r_e: rounding must not decide who is one
+# a lattice places neighbours exactly at r_e: rounding must not decide which particles are neighbours
 REACH_TOLERANCE = 1.0 + 1e-6
 
 

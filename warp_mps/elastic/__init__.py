@@ -1,1 +1,1 @@
-"""Elastic bodies: the models, contact, loads, supports and the clockwork of a step. Knows no file."""
+"""Elastic bodies: models, contact, boundary conditions, explicit and implicit time integration, readings."""

@@ -10,7 +10,7 @@ from warp_mps.elastic.output.stresses import StressFields
 from warp_mps.elastic.springs.rotation import ParticleRotation
 from warp_mps.elastic.state import ElasticState
 
-# launches over a number of particles from a first one on
+# launches over particles, from (state, first, count)
 Pass = Callable[[ElasticState, int, int], None]
 
 
@@ -27,7 +27,7 @@ class ElasticModel(Protocol):
 
     @property
     def passes(self) -> list[tuple[str, Pass]]:
-        """What evaluates the forces, in order, each by name; a pass reads what the one before wrote."""
+        """The launches that evaluate the forces, in order, each by name; a pass reads the results of the one before."""
 
     def launch_energy(self, state: ElasticState, energy_out: wp.array) -> None:
         """Elastic energy of every particle [J]."""

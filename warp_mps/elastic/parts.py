@@ -21,7 +21,7 @@ class SolidParts:
     """Constants, state and parts of the elastic bodies of a scene and of the walls that they touch.
 
     Walls come last among the particles: models and motion run over the e particles before them, contact over all n.
-    A part that the scene does not have is None.
+    A part that the scene lacks is None.
 
     Attributes:
         particles:    The particles.

@@ -1,4 +1,4 @@
-"""What every elastic model evolves: displacements, velocities and forces; a model may add a state of its own."""
+"""The state of the particles in every elastic model; a model may add a state of its own."""
 
 from dataclasses import dataclass, fields
 from typing import Any
@@ -12,7 +12,7 @@ from warp_mps.particles.particles import Particles
 
 @dataclass(kw_only=True)
 class ElasticState:
-    """Device arrays of the elastic particles; every one has a row a particle.
+    """Device arrays of the n particles of bodies and walls, a row for each.
 
     Attributes:
         u:          Displacement x - X [m],                    vec [n]
@@ -20,7 +20,7 @@ class ElasticState:
         force:      Total force, supports excluded [N],        vec [n]
         contact:    Contact force [N],                         vec [n]
         driven:     Prescribed acceleration [m/s^2],           vec [n]
-        dissipated: Energy taken out by damping so far [J],    float64 [n]
+        dissipated: Energy dissipated by damping so far [J],   float64 [n]
     """
 
     u: wp.array
@@ -31,7 +31,7 @@ class ElasticState:
     dissipated: wp.array
 
     def evolving(self) -> list[wp.array]:
-        """The arrays."""
+        """All arrays."""
         return [getattr(self, item.name) for item in fields(self)]
 
     def arrays(self) -> dict[str, np.ndarray]:
@@ -39,7 +39,7 @@ class ElasticState:
         return {item.name: getattr(self, item.name).numpy().copy() for item in fields(self)}
 
     def assign(self, arrays: dict[str, np.ndarray]) -> None:
-        """Take over arrays that `arrays` gave."""
+        """Continue from arrays that `arrays` gave."""
         for item in fields(self):
             getattr(self, item.name).assign(arrays[item.name])
 

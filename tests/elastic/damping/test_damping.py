@@ -173,7 +173,7 @@ def test_the_same_bits_however_it_is_run(dimension: int) -> None:
 
 def test_without_it_nothing_is_done() -> None:
     simulation = Simulation(scene_of(block(2), elasticity=HAMILTONIAN))
-    assert simulation.solid.viscosity is None
+    assert simulation.solid.parts.viscosity is None
     assert [phase.name for phase in simulation.solid.phases] == ["drift", "stress", "force", "kick"]
     assert "viscous" not in simulation.state_arrays()
 

@@ -1,4 +1,4 @@
-"""Kernels of the multigrid preconditioner between cells: matrices, sweeps, and the way to the next level and back."""
+"""Kernels of the multigrid preconditioner on cells: coarse matrices, smoother, restriction and prolongation."""
 
 import functools
 from types import SimpleNamespace
@@ -42,7 +42,7 @@ def cell_kernels(types: NumericTypes) -> SimpleNamespace:
         excess_out: numbers,
         diagonal_out: numbers,
     ):
-        """The matrix between cells twice as wide: couplings count half, as the distance has doubled."""
+        """Coarse-grid matrix between cells twice as wide; couplings count half, since the distance has doubled."""
         c = wp.tid()
         here = unflat(c, coarse_dims)
         for s in range(around):
@@ -78,14 +78,14 @@ def cell_kernels(types: NumericTypes) -> SimpleNamespace:
         r: numbers,
         e: numbers,
         # State out:
-        left_out: numbers,
+        residual_out: numbers,
     ):
-        """What is left of the residual: r - A e; nothing in cells without an unknown."""
+        """Residual r - A e of the correction e; 0 in cells without unknowns."""
         c = wp.tid()
-        left = real64(0.0)
+        residual_c = real64(0.0)
         if diagonal[c] > real64(0.0):
-            left = r[c] - diagonal[c] * e[c] + coupling_sum(c, there, coupling, e)
-        left_out[c] = left
+            residual_c = r[c] - diagonal[c] * e[c] + coupling_sum(c, there, coupling, e)
+        residual_out[c] = residual_c
 
     @types.kernel(METHOD)
     def restrict_cells(
@@ -97,12 +97,12 @@ def cell_kernels(types: NumericTypes) -> SimpleNamespace:
         share: numbers,
         # State in:
         diagonal: numbers,
-        left: numbers,
+        fine_r: numbers,
         # State out:
         r_out: numbers,
         e_out: numbers,
     ):
-        """Residual of each coarse cell, by the transpose of the interpolation, and the first sweep on it."""
+        """Restriction r_coarse = P^T r, and the first smoothing sweep from e = 0: e = omega r / diagonal."""
         c = wp.tid()
         total = real64(0.0)
         e = real64(0.0)
@@ -118,7 +118,7 @@ def cell_kernels(types: NumericTypes) -> SimpleNamespace:
                     weight *= share[at]
                     rest = rest // BELOW
                 if weight > real64(0.0):
-                    total += weight * left[flat(fine, dims)]
+                    total += weight * fine_r[flat(fine, dims)]
             e = real64(DAMPING) * total / diagonal[c]
         r_out[c] = total
         e_out[c] = e
@@ -167,11 +167,11 @@ def cell_kernels(types: NumericTypes) -> SimpleNamespace:
         # State out:
         e_out: numbers,
     ):
-        """A damped Jacobi sweep."""
+        """Smoother: a damped Jacobi sweep e += omega (r - A e) / diagonal."""
         c = wp.tid()
         if diagonal[c] > real64(0.0):
-            left = r[c] - diagonal[c] * e[c] + coupling_sum(c, there, coupling, e)
-            e_out[c] = e[c] + real64(DAMPING) * left / diagonal[c]
+            residual_c = r[c] - diagonal[c] * e[c] + coupling_sum(c, there, coupling, e)
+            e_out[c] = e[c] + real64(DAMPING) * residual_c / diagonal[c]
         else:
             e_out[c] = real64(0.0)
 

@@ -2,7 +2,7 @@
 
 A level is a grid of cells. Its matrix has an entry for each of the 3^d cells around a cell, `coupling`, in the order of
 their offsets (that of the cell itself is 0); and an `excess` of the diagonal over the sum of the couplings. In cells
-without an unknown the diagonal is 0. Axes that repeat themselves are those where `wraps` is 1, otherwise it is 0.
+without an unknown the diagonal is 0. `wraps` is 1 along periodic axes, else 0.
 """
 
 import functools
@@ -24,7 +24,7 @@ def cell_type(types: NumericTypes) -> type:
 
 
 def corner_type(types: NumericTypes) -> type:
-    """A number for each corner of a square or cube."""
+    """One value for each corner of a square or cube."""
     return wp.types.vector(length=2**types.dimension, dtype=wp.float64)
 
 
@@ -72,7 +72,7 @@ def grid_functions(types: NumericTypes) -> SimpleNamespace:
 
     @types.func(METHOD)
     def wrapped(cell: ivec, dims: ivec, wraps: ivec):
-        """The same cell within the grid, where an axis repeats itself; at most one cell beyond."""
+        """The periodic image of a cell within the grid; the cell is at most one beyond it."""
         same = cell
         for m in range(d):
             if wraps[m] == 1:
@@ -81,7 +81,7 @@ def grid_functions(types: NumericTypes) -> SimpleNamespace:
 
     @types.func(METHOD)
     def nearest(offset: ivec, dims: ivec, wraps: ivec):
-        """The shortest of all offsets to the same cell, where an axis repeats itself."""
+        """The shortest offset to a periodic image of the same cell (minimum image)."""
         shortest = offset
         for m in range(d):
             if wraps[m] == 1 and 2 * wp.abs(offset[m]) > dims[m]:
@@ -102,7 +102,7 @@ def grid_functions(types: NumericTypes) -> SimpleNamespace:
 
     @types.func(METHOD)
     def finish_row(c: wp.int32, excess: wp.float64, coupling_out: numbers, excess_out: numbers, diagonal_out: numbers):
-        """Finish a row of a level's matrix: one with neither couplings nor excess stays out."""
+        """Excess and diagonal (excess plus sum of the couplings) of a row; both are 0 in a cell without unknowns."""
         total = excess
         for s in range(around):
             total += coupling_out[c * around + s]

@@ -1,4 +1,4 @@
-"""Kernels of the multigrid preconditioner between particles and the cells of its first level."""
+"""Kernels of the multigrid preconditioner between particles and the cells of its finest level (aggregation)."""
 
 import functools
 from types import SimpleNamespace
@@ -8,13 +8,13 @@ import warp as wp
 from warp_mps.core.multigrid.cell_numbering import DAMPING, METHOD, cell_type, corner_type, grid_functions
 from warp_mps.core.types import NumericTypes
 
-# Excess of the diagonal, relative to it, that is taken for none: what rounding leaves of a matrix of each precision.
+# Excess of the diagonal, relative to it, that counts as 0: the rounding of a matrix of each precision.
 ROUNDING = {"float64": 1.0e-10, "float32": 2.0e-6}
 
-# Bins that one thread finds the first unknowns of: it looks for the first, and goes on from there.
+# Bins of one thread: it searches for the start of the first by bisection, and of the others from there.
 BINS_PER_THREAD = 8
 
-# Cell of a row that is no unknown: far from all others.
+# Cell of a row that is not an unknown: far from all others.
 NO_CELL = -1_000_000
 
 
@@ -50,7 +50,7 @@ def particle_kernels(types: NumericTypes) -> SimpleNamespace:
     ):
         """The bin (half a cell wide) and the cell of each unknown, and its weights in the cells around it.
 
-        These are the 2^d whose centres it lies between. Such boxes between centres have a number of their own.
+        These are the 2^d cells whose centres surround it. The boxes between cell centres are numbered like cells.
         """
         i = wp.tid()
         order_out[i] = i
@@ -96,7 +96,15 @@ def particle_kernels(types: NumericTypes) -> SimpleNamespace:
         weight_out[i] = weight
 
     @types.kernel(METHOD)
-    def find_starts(n: wp.int32, bins: wp.int32, bin: counts, start_out: counts):
+    def find_starts(
+        # Model:
+        n: wp.int32,
+        bins: wp.int32,
+        # State in:
+        bin: counts,
+        # State out:
+        start_out: counts,
+    ):
         """First of the sorted unknowns in each of a few bins, or in a later one where it is empty."""
         first = BINS_PER_THREAD * wp.tid()
         low = wp.int32(0)
@@ -135,10 +143,10 @@ def particle_kernels(types: NumericTypes) -> SimpleNamespace:
         excess_out: numbers,
         diagonal_out: numbers,
     ):
-        """The matrix between cells, the sums of all entries between their unknowns, scaled; and shares of couplings.
+        """Finest cell matrix: scaled sums of the entries between the unknowns of two cells; share of each row.
 
-        The share is that which a row's couplings to other unknowns have in its diagonal, and of its excess counts what
-        is left when the unknown is eliminated: the share of it.
+        The share of a row is the sum of its couplings to other unknowns over its diagonal. Its excess counts with this
+        share, which is what remains of it after eliminating the unknown.
         """
         c = wp.tid()
         here = unflat(c, dims)
@@ -185,10 +193,10 @@ def particle_kernels(types: NumericTypes) -> SimpleNamespace:
         # State in and out:
         weight: wp.array(dtype=shares),
     ):
-        """Leave cells without an unknown out of the interpolation, so that constants remain constant beside them.
+        """Normalize the weights over cells with unknowns, so that constants are interpolated exactly; scale by shares.
 
-        Otherwise a domain that the cells do not divide evenly takes half as many iterations again. And let a row have
-        no more than its share of them, as a Jacobi sweep does: one of the free surface hardly follows those below.
+        Without the normalization, a domain that the cells do not divide evenly takes half as many iterations again.
+        The share smooths P: a row of the free surface hardly follows the rows below it.
         """
         i = wp.tid()
         if inverse[i] == real64(0.0):
@@ -217,7 +225,7 @@ def particle_kernels(types: NumericTypes) -> SimpleNamespace:
         # State out:
         corner_out: wp.array(dtype=shares),
     ):
-        """Residuals of the unknowns between the same 2^d cell centres, weighted for each of these cells."""
+        """Restriction, first part: sums of weighted residuals of the unknowns between the same 2^d cell centres."""
         t = wp.tid()
         above = unflat(t, dims + ivec(1) - wraps)
         total = shares()
@@ -242,7 +250,7 @@ def particle_kernels(types: NumericTypes) -> SimpleNamespace:
         r_out: numbers,
         e_out: numbers,
     ):
-        """Residual of each cell, and the first sweep on it."""
+        """Restriction, second part: residual r = P^T r of each cell, and the first sweep e = omega r / diagonal."""
         c = wp.tid()
         here = unflat(c, dims)
         total = real64(0.0)
@@ -256,7 +264,15 @@ def particle_kernels(types: NumericTypes) -> SimpleNamespace:
         e_out[c] = e
 
     @types.kernel(METHOD)
-    def corner_values(dims: ivec, wraps: ivec, e: numbers, corner_out: wp.array(dtype=shares)):
+    def corner_values(
+        # Model:
+        dims: ivec,
+        wraps: ivec,
+        # State in:
+        e: numbers,
+        # State out:
+        corner_out: wp.array(dtype=shares),
+    ):
         """Values of the 2^d cells around each box between centres; a cell beyond the edge has weight 0."""
         t = wp.tid()
         above = unflat(t, dims + ivec(1) - wraps)

@@ -1,21 +1,26 @@
-"""A multigrid preconditioner for pressure Poisson equations, whose iterations hardly grow with the number of unknowns.
+"""A multigrid preconditioner for pressure Poisson equations: the iterations hardly grow with the number of unknowns.
 
-The unknowns are gathered into square cells as wide as the effective radius, and these into cells twice as wide, down to
-one or two. Within the radius a sum over neighbours couples everything with everything, so that the diagonal alone is a
-good inverse there, and what is smoother is left to the cells:
+The unknowns are aggregated into square cells as wide as the effective radius, and these into cells twice as wide, down
+to one or two. Within the radius a sum over neighbours couples everything with everything, so that the diagonal is a
+good smoother there; the cells correct the smooth remainder of the error:
 
     M^-1 = D^-1 + P V P^T
 
 P interpolates linearly between the centres of cells, and V is a V-cycle on the cells, with a damped Jacobi sweep before
-and after the correction by the next level. It costs a small part of a product with the matrix. A row of P counts with
-the share of its couplings in its diagonal, which is what a Jacobi sweep makes of a constant there (smoothed
-aggregation; Vanek, Mandel & Brezina, Computing 56 (1996) 179): a free surface ties rows to 0 more than to each other.
+and after the coarse-grid correction. It costs a small part of a product with the matrix. A row of P is scaled by the
+share of its couplings in its diagonal, which is the effect of a Jacobi sweep on a constant (smoothed aggregation,
+Vanek et al.): at a free surface, rows are coupled to the value 0 more than to each other.
 
-The matrix of the cells is the sum of the entries between their unknowns, as if P were constant in a cell, with its
-couplings scaled down for what that makes them too stiff (overcorrection, as in Braess, Computing 55 (1995) 379):
-constants keep it local, a nearest-neighbour matrix on each level, while the linear P keeps the number of iterations.
-That is the way of cell-centred multigrid (Wesseling, SIAM J. Sci. Stat. Comput. 9 (1988) 451). M is symmetric and
-positive whatever the matrix is. TransferTable an axis that repeats itself the cells of every level do so, too.
+The matrix of the cells is the sum of the entries between their unknowns, as for a P that is constant in a cell. Its
+couplings are scaled down, because a constant P makes them too stiff (overcorrection, Braess). The constant P keeps a
+nearest-neighbour matrix on each level, and the linear P in the transfer keeps the number of iterations low, as in
+cell-centred multigrid (Wesseling). M is symmetric and positive for any matrix. Periodic axes are periodic on every
+level.
+
+References:
+    Vanek, P., Mandel, J. and Brezina, M., Computing 56 (1996) 179.
+    Braess, D., Computing 55 (1995) 379.
+    Wesseling, P., SIAM J. Sci. Stat. Comput. 9 (1988) 451.
 """
 
 from __future__ import annotations
@@ -41,11 +46,11 @@ COARSEST_SWEEPS = 8
 
 
 class Level:
-    """A grid of cells, its matrix and its vectors, and the way to the next one.
+    """A level of the hierarchy: a grid of cells, its matrix, its vectors, and the transfer to the next level.
 
     Args:
         dims: Cells along each axis.
-        wraps: Whether each axis repeats itself.
+        wraps: Whether each axis is periodic.
         types: Number types.
         device: Warp device.
     """
@@ -65,12 +70,12 @@ class Level:
 
     @property
     def matrix(self) -> list[wp.array]:
-        """What `coarsen` writes."""
+        """Outputs of `coarsen`: couplings, excess and diagonal."""
         return [self.coupling, self.excess, self.diagonal]
 
     @property
     def rows(self) -> list[wp.array]:
-        """What a product with the matrix reads."""
+        """Inputs of a product with the matrix."""
         return [self.there, self.coupling, self.diagonal]
 
 
@@ -78,13 +83,13 @@ class MultigridPreconditioner:
     """Preconditioner of `warp_mps.core.linear.conjugate_gradient.ConjugateGradient` for unknowns that are particles.
 
     Args:
-        positions: Positions of the rows [m], which are looked at in every solve, shape [capacity].
+        positions: Positions of the rows [m], read in every `prepare`, shape [capacity].
         low: Lower corner of the domain [m], shape [d]. Particles may leave it; far outside they cost iterations.
         high: Upper corner of the domain [m], shape [d].
         reach: Effective radius of the matrix's sums [m].
         types: Number types of the matrix and the positions.
         device: Warp device.
-        periodic: Axes along which the domain repeats itself.
+        periodic: Axes along which the domain is periodic.
 
     Attributes:
         positions: Positions of the rows [m].
@@ -107,7 +112,7 @@ class MultigridPreconditioner:
         self._n = len(positions)
         extent = np.asarray(high, dtype=float) - np.asarray(low, dtype=float)
         width = reach
-        # a domain that is nearly empty gets wider cells instead of more memory
+        # a nearly empty domain gets wider cells instead of more memory
         while np.prod(np.ceil(extent / width)) > max(self._n, 64):
             width *= 1.25
         wraps = np.isin(np.arange(types.dimension), periodic)

@@ -1,6 +1,7 @@
-"""Tables of cells: those about each cell of a level, and those above and below each along an axis.
+"""Tables for prolongation and restriction between two levels of cells, and of the neighbours of each cell.
 
-Above a cell are the coarse ones that it is interpolated from; below a coarse cell are those that it is interpolated to.
+Prolongation interpolates linearly, axis by axis, from coarse cells (ABOVE a cell) to cells (BELOW a coarse one);
+restriction is its transpose.
 """
 
 from __future__ import annotations
@@ -21,22 +22,22 @@ def coarse_dims(dims: np.ndarray) -> np.ndarray:
 
 
 def cell_neighbours(dims: np.ndarray, wraps: np.ndarray) -> np.ndarray:
-    """Numbers of the 3^d cells around each cell, shape [cells, 3^d]; beyond an edge, where nothing couples, its own.
+    """Numbers of the 3^d cells around each cell, shape [cells, 3^d]; beyond an edge the cell itself.
 
     The first axis runs fastest, both through the cells and through the offsets to the cells around one.
 
     Args:
         dims: Cells along each axis.
-        wraps: Whether each axis repeats itself.
+        wraps: Whether each axis is periodic.
     """
     around = np.zeros((1, 1), dtype=np.int64)
     for n, wrap in zip(reversed(dims), reversed(wraps), strict=True):
         here = np.arange(n)[:, None]
         there = here + np.arange(-1, 2)
         there = there % n if wrap else np.where((there < 0) | (there >= n), -1, there)
-        joined = around[:, None, :, None] * n + there[None, :, None, :]
+        combined = around[:, None, :, None] * n + there[None, :, None, :]
         outside = (around[:, None, :, None] < 0) | (there[None, :, None, :] < 0)
-        around = np.where(outside, -1, joined).reshape(len(around) * n, -1)
+        around = np.where(outside, -1, combined).reshape(len(around) * n, -1)
     own = np.arange(len(around))[:, None]
     return np.where(around < 0, own, around).astype(np.int32)
 
@@ -44,7 +45,7 @@ def cell_neighbours(dims: np.ndarray, wraps: np.ndarray) -> np.ndarray:
 def interpolation(n: int, coarse: int, wraps: bool) -> tuple[np.ndarray, np.ndarray]:
     """Linear interpolation from coarse cells to the centres of n cells of an axis.
 
-    A coarse cell joins two, or at the end of an odd number of them one.
+    A coarse cell covers two cells, or one at the end of an odd number of them.
 
     Returns:
         The coarse cells, and their weights, shape [n, ABOVE].
@@ -55,7 +56,7 @@ def interpolation(n: int, coarse: int, wraps: bool) -> tuple[np.ndarray, np.ndar
         far %= coarse
     inside = (far >= 0) & (far < coarse) & (far != near)
     if wraps and n % 2 == 1:
-        # this one is in the middle of its coarse cell
+        # the last cell is in the middle of its coarse cell
         inside[-1] = False
     share = np.where(inside, 0.25, 0.0)
     return np.stack((near, np.where(inside, far, near)), axis=1), np.stack((1.0 - share, share), axis=1)
@@ -78,7 +79,7 @@ def transpose(cells: np.ndarray, shares: np.ndarray, coarse: int, wraps: bool) -
 
 
 class TransferTable:
-    """For each cell of a grid the cells of another one that it is made of, axis by axis.
+    """Cells of another level and their weights, for each cell of a level, axis by axis.
 
     Args:
         tables: Cells and weights along each axis, shape [cells, most].
@@ -95,5 +96,5 @@ class TransferTable:
 
     @property
     def inputs(self) -> list[Any]:
-        """What a kernel reads."""
+        """Arguments of a kernel."""
         return [self.first, self.cell, self.share]

@@ -4,7 +4,7 @@ A particle i in contact with another body B has the pressing force N_iB = |g_iB 
 the normal n of grad q_iB (`warp_mps.elastic.contact.kernels`). With omega_ij = W_ij / sum_j W_ij, y_ij = x_i - x_j, its
 part s_ij in the tangent plane, their mean and their covariance C over omega, friction is the pair force
 
-    f_ij = omega_ij a . (s_ij - mean) y_ij,   a = C^-1 t,   whose sum over j is t, up to what of it lies along n
+    f_ij = omega_ij a . (s_ij - mean) y_ij,   a = C^-1 t,   whose sum over j is t, except for its part along n
 
 Forces along y_ij have no moment: the couple of the friction between two layers of particles, a spacing apart, is
 balanced by their pressure. The slip is the displacement that is conjugate to t,

@@ -5,11 +5,11 @@ They come from one dissipation function, which is to the rates what the energy o
 
     D = sum_i V_i tau (mu E'_i : E'_i + lambda/2 tr(E'_i)^2) + sum_i sum_j 1/2 tau kappa_i omega_ij |c'_ij|^2
 
-tau is the material's retardation time, E' the rate of the Green-Lagrange strain and c_ij = F_i^T e_ij what controls the
-zero-energy modes, seen from the body; F' is fitted to the neighbours' velocities as F is to their displacements. Small
-motion about rest then has a damping matrix of tau times its stiffness matrix: a mode of angular frequency omega has the
-damping ratio tau omega / 2. Rotations change neither E nor c: they are not damped, and momentum and angular momentum
-are kept. The forces f = -dD/dv are
+tau is the material's retardation time, E' the rate of the Green-Lagrange strain and c_ij = F_i^T e_ij the deviation that
+the hourglass control resists, in the frame of the body. F' is fitted to the neighbours' velocities as F is to their
+displacements. Small motion about rest then has a damping matrix of tau times its stiffness matrix: a mode of angular
+frequency omega has the damping ratio tau omega / 2. Rotations change neither E nor c: they are not damped, and momentum
+and angular momentum are kept. The forces f = -dD/dv are
 
     f_i = sum_j omega_ij [(D_i + D_j) X_ij + tau kappa_i F_i c'_ij - tau kappa_j F_j c'_ji]
     D_i = [V_i F_i S_i + tau kappa_i sum_j omega_ij e_ij (x) c'_ij] A_i^-1,   S = tau (2 mu E' + lambda tr(E') I)
@@ -67,7 +67,7 @@ def viscous_kernels(types: NumericTypes) -> SimpleNamespace:
         damping_out: wp.array(dtype=mat),
         pull_out: wp.array(dtype=mat),
     ):
-        """G_i, N_i and D_i - G_i H_i - N_i F'_i."""
+        """G_i, N_i and D_i - G_i H_i - N_i F'_i, times tau kappa_i and with A_i^-1 as in the module's docstring."""
         i = first + wp.tid()
         u_i = u[i]
         v_i = v[i]
@@ -118,10 +118,10 @@ def viscous_kernels(types: NumericTypes) -> SimpleNamespace:
         force: wp.array(dtype=vec),
         dissipated: wp.array(dtype=wp.float64),
     ):
-        """Add the viscous force, and account for what it takes out.
+        """Add the viscous force f_i, and the energy -1/2 (f^n + f^(n+1)) . du that it dissipates.
 
-        Its work is the mean of the forces at the ends of a step's move times the move: what the two half kicks of
-        velocity Verlet do, and what the work of a moving support takes it for.
+        The mean force over the step is that of the two half kicks of velocity Verlet, and that in the work of a moving
+        support.
         """
         i = first + wp.tid()
         u_i = u[i]

@@ -26,7 +26,7 @@ class Viscosity:
         self, scene: Scene, particles: Particles, model: HamiltonianModel, *, types: NumericTypes, device: Any
     ) -> None:
         self._kernels, self._device, self._model = viscous_kernels(types), device, model
-        # the linear law's for every law: small strain is what they have in common
+        # the constants of the linear law for every law: all laws agree at small strains
         constants = [lame_constants(material, particles.dimension, scene.plane) for material in scene.materials]
         times = np.array([material.retardation_time for material in scene.materials])[particles.materials]
         lame, mu = times * np.array(constants)[particles.materials].T
@@ -37,14 +37,14 @@ class Viscosity:
         self.force = wp.zeros(particles.count, dtype=types.vec, device=device)
 
     def launch_stress(self, state: ElasticState, dt: float, first: int, count: int) -> None:
-        """Viscous stresses, after the elastic ones; `dt` is 0 before the first step, when nothing has moved yet."""
+        """Launch the viscous stresses, after the elastic ones; `dt` is 0 before the first step."""
         model = self._model
         constants = [*model.operators(), self._tau_lame, self._tau_mu, self._tau_kappa]
         inputs = [first, dt, *constants, model.gradient, state.u, state.v]
         wp.launch(self._kernels.viscous_stress, count, inputs, self._matrices, device=self._device)
 
     def launch_force(self, state: ElasticState, first: int, count: int) -> None:
-        """Add the viscous forces to those of the model, and to what is dissipated what they take out in a step."""
+        """Add the viscous forces to those of the model, and the energy that they dissipate."""
         inputs = [first, *self._model.operators()[:4], state.u, state.v, *self._matrices]
         outputs = [self._u_before, self.force, state.force, state.dissipated]
         wp.launch(self._kernels.viscous_force, count, inputs, outputs, device=self._device)
@@ -58,7 +58,7 @@ class Viscosity:
         return {"viscous": self.force.numpy().copy()}
 
     def assign(self, arrays: dict[str, np.ndarray]) -> None:
-        """Take over arrays that `arrays` gave."""
+        """Continue from arrays that `arrays` gave."""
         self.force.assign(arrays["viscous"])
         # forces are evaluated where a step ends: these are the displacements of the last one
         self._u_before.assign(arrays["u"][: len(self._u_before)])
@@ -67,7 +67,7 @@ class Viscosity:
 def make_viscosity(
     scene: Scene, particles: Particles, model: ElasticModel, *, types: NumericTypes, device: Any
 ) -> Viscosity | None:
-    """The damping of a scene's materials, None where they have none."""
+    """The damping of the materials of a scene; None without a retardation time."""
     if not any(material.retardation_time for material in scene.materials):
         return None
     assert isinstance(model, HamiltonianModel)

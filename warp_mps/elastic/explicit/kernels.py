@@ -1,9 +1,12 @@
-"""The clockwork of a step: velocity Verlet in kick-drift-kick form, with gravity and damping.
+"""Explicit time integration: velocity Verlet in kick-drift-kick form, with gravity and damping.
 
     v += dt/2 f/m,   u += dt v,   forces,   v += dt/2 f/m
 
-The state is the displacement u = x - X, so that a strain of 1e-5 keeps its digits. A held axis has no inverse mass; a
-moving support then places its particles.
+The state is the displacement u = x - X, so that a strain of 1e-5 keeps its digits. The inverse mass of a held axis is
+0; a moving support then imposes the motion of its particles.
+
+References:
+    Belytschko, T., Liu, W. K. and Moran, B., Nonlinear Finite Elements, chapter 6.
 """
 
 import functools
@@ -32,7 +35,7 @@ def motion_kernels(types: NumericTypes) -> SimpleNamespace:
         u: wp.array(dtype=vec),
         v: wp.array(dtype=vec),
     ):
-        """Half a kick with the forces of the last step, then the whole move."""
+        """Half a kick with the forces of the last step, v += dt/2 f/m, then the drift u += dt v."""
         i = first + wp.tid()
         v_i = v[i] + real(0.5) * dt * wp.cw_mul(inverse_mass[i], force[i])
         v[i] = v_i
@@ -50,7 +53,7 @@ def motion_kernels(types: NumericTypes) -> SimpleNamespace:
         force: wp.array(dtype=vec),
         v: wp.array(dtype=vec),
     ):
-        """Add the weight, which completes the force, then the second half of the kick."""
+        """Add the weight m g, which completes the force, then the second half of the kick, v += dt/2 f/m."""
         i = first + wp.tid()
         force_i = force[i] + mass[i] * gravity
         force[i] = force_i
@@ -66,7 +69,7 @@ def motion_kernels(types: NumericTypes) -> SimpleNamespace:
         v: wp.array(dtype=vec),
         dissipated: wp.array(dtype=wp.float64),
     ):
-        """Mass-proportional damping over half a step, exact: v *= exp(-damping dt/2); driven axes keep theirs."""
+        """Mass-proportional damping over half a step, exact: v *= exp(-damping dt/2); held axes are left out."""
         i = wp.tid()
         v_i = v[i]
         loss = wp.float64(0.0)
@@ -93,9 +96,9 @@ def motion_kernels(types: NumericTypes) -> SimpleNamespace:
         force: wp.array(dtype=vec),
         dissipated: wp.array(dtype=wp.float64),
     ):
-        """Add a viscous force: `factor` times the last change of the elastic one, that of its stiffness.
+        """Add the viscous force f_v = `factor` (f^n - f^(n-1)), with the elastic forces f and the factor tau/dt.
 
-        What it takes out in a step is the work of its mean over the step, as the kicks at both ends use it.
+        It dissipates -dt/2 (f_v^n + f_v^(n-1)) . v in a step: the kicks at both ends of the step use these forces.
         """
         i = first + wp.tid()
         elastic = force[i]
@@ -113,13 +116,16 @@ def motion_kernels(types: NumericTypes) -> SimpleNamespace:
         # State in and out:
         force: wp.array(dtype=vec),
     ):
-        """Add forces from outside."""
+        """Add external forces, f += f_ext."""
         i = wp.tid()
         force[i] = force[i] + external[i]
 
     @types.kernel(METHOD)
-    def count_step(steps: wp.array(dtype=wp.int32)):
-        """Count a step. Times are multiples of dt, so that they do not drift."""
+    def count_step(
+        # State in and out:
+        steps: wp.array(dtype=wp.int32),
+    ):
+        """Count a step: the time is t = n dt, so that rounding does not accumulate."""
         steps[0] = steps[0] + 1
 
     return SimpleNamespace(

@@ -31,7 +31,7 @@ class LaggedDamping:
         wp.copy(self._elastic, self._parts.state.force, count=self._parts.count)
 
     def launch(self, first: int, count: int) -> None:
-        """Add the viscous force to the elastic one, and the energy that it takes out to what is dissipated."""
+        """Add the viscous force to the elastic one, and its energy loss to the dissipated energy."""
         state = self._parts.state
         inputs = [first, self._parts.dt, self._factor, state.v]
         outputs = [self._elastic, self._viscous, state.force, state.dissipated]

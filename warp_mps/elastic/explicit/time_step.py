@@ -9,18 +9,18 @@ from warp_mps.elastic.materials.constants import lame_constants
 from warp_mps.scene import Body, Material, Scene
 from warp_mps.scene.bonds import bonded_bodies
 
-# times the density of the lightest: with which a material counts in a time step at most
+# largest density with which a material counts in the time step, over the smallest density of bonded materials
 DENSITY_RATIO = 2.5
-# share of the stable step that is taken at most
+# largest time step over the stable one
 SAFETY = 0.9
 
 
 def stable_time_step(body: Body, scene: Scene) -> float:
-    """Largest time step that is stable for small deformations of a body, in what it is bonded to [s].
+    """Largest time step that is stable for small deformations of a body, among the bodies that it is bonded to [s].
 
-    A material that is joined to a lighter one moves particles of that: it counts with at most `DENSITY_RATIO` times the
-    smallest density among all that is joined. That held for every pattern of two materials that was tried; particles
-    in a checkerboard of a stiff and a light material need it almost in full.
+    A material that is bonded to a lighter one moves the particles of the lighter one: it counts with at most
+    `DENSITY_RATIO` times the smallest density among all bonded materials. This bound held for every pattern of two
+    materials that was tried; a checkerboard of a stiff and a light material nearly reaches it.
     """
     lightest = min(material.density for other in bonded_bodies(body, scene) for material in other.materials)
     return min(
@@ -40,7 +40,7 @@ def stable_limit(scene: Scene) -> float:
 
 
 def contact_slowing(scene: Scene) -> float:
-    """How many times shorter a stiff contact makes time steps [-]."""
+    """Factor by which a stiff contact shortens the time step [-]."""
     return math.sqrt(max(1.0, scene.contact.stiffness))
 
 
@@ -57,7 +57,7 @@ def _stable_time_step(material: Material, spacing: float, scene: Scene) -> float
     - ``springs`` with n0: a = 24 is the rotation of single particles against their neighbours, with an inertia of
       m l0^2/6, and the bound is within 1 % where nu = 0. With n_i, particles at a surface are held more stiffly.
     - ``hamiltonian``: b = 4 d is the breathing of a block of two particles a side; a bounds what shears and controls.
-      Below r_e = 1.5 a particle hangs on ever fewer of its diagonal neighbours, which are none below 1.41.
+      Below r_e = 1.5 a particle hangs on ever fewer of its diagonal neighbours, of which there are none below 1.41.
     """
     lame, mu = lame_constants(material, scene.dimension, scene.plane)
     d, elasticity = scene.dimension, scene.elasticity

@@ -8,8 +8,8 @@ and the bodies the energy
 
     W = sum_i V_i psi(F_i) + sum_i sum_j 1/2 kappa_i omega_ij |e_ij|^2,   e_ij = x_ij - F_i X_ij = u_ij - H_i X_ij
 
-whose second sum resists what F_i does not see (Kondo et al.). Its exact gradient is a plain pair force, since
-sum_j omega_ij e_ij (x) X_ij = 0 when the same weights stand in both:
+whose second sum controls the zero-energy modes, which F_i does not contain (hourglass control, Kondo et al.). Its exact
+gradient is a plain pair force, since sum_j omega_ij e_ij (x) X_ij = 0 when the same weights stand in both:
 
     f_i = sum_j omega_ij [(B_i + B_j) X_ij + (kappa_i + kappa_j) u_ij],   B_i = V_i P_i A_i^-1 - kappa_i H_i
 
@@ -65,7 +65,7 @@ def hamiltonian_kernels(types: NumericTypes) -> SimpleNamespace:
         density_out: wp.array(dtype=wp.float64),
         condition_out: wp.array(dtype=wp.float64),
     ):
-        """X_ij and omega_ij of every pair, A_i^-1 and n_i, and det(d A_i / n_i): 1 inside a lattice, 0 where flat."""
+        """X_ij and omega_ij of every pair, A_i^-1 and n_i, and det(d A_i / n_i), which is 0 in a flat neighbourhood."""
         i = wp.tid()
         n = wp.float64(0.0)
         shape = mat64()
@@ -108,7 +108,7 @@ def hamiltonian_kernels(types: NumericTypes) -> SimpleNamespace:
         gradient_out: wp.array(dtype=mat),
         pull_out: wp.array(dtype=mat),
     ):
-        """H_i and B_i."""
+        """Displacement gradient H_i and B_i = V_i P_i A_i^-1 - kappa_i H_i."""
         i = first + wp.tid()
         total = pair_moment(i, start, index, bond, weight, u)
         inverse = inverse_shape[i]
@@ -132,7 +132,7 @@ def hamiltonian_kernels(types: NumericTypes) -> SimpleNamespace:
         # State out:
         force_out: wp.array(dtype=vec),
     ):
-        """F_i."""
+        """Force f_i = sum_j omega_ij [(B_i + B_j) X_ij + (kappa_i + kappa_j) u_ij]."""
         i = first + wp.tid()
         force_out[i] = pair_force(i, start, index, bond, weight, kappa, u, pull)
 
@@ -155,7 +155,7 @@ def hamiltonian_kernels(types: NumericTypes) -> SimpleNamespace:
         # State out:
         energy_out: wp.array(dtype=real),
     ):
-        """Elastic energy of each particle: of its deformation, and of what that does not see."""
+        """Elastic energy V_i psi(F_i) + sum_j 1/2 kappa_i omega_ij |e_ij|^2 of each particle."""
         i = wp.tid()
         h = gradient[i]
         control = real(0.0)

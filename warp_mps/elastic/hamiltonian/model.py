@@ -26,7 +26,7 @@ class HamiltonianModel:
     """Hamiltonian MPS on a set of particles.
 
     Attributes:
-        rotation: None: particles have no rotation of their own.
+        rotation: None, since particles have no rotation of their own.
         start: First pair of each particle, shape [n + 1].
         index: Neighbour of each pair.
         bond: Reference vector X_ij of each pair [m], shape [pairs, d].
@@ -64,7 +64,7 @@ class HamiltonianModel:
 
     @property
     def passes(self) -> list[tuple[str, Pass]]:
-        """What evaluates the forces, in order: the stresses, then the forces."""
+        """The launches that evaluate the forces, in order: stresses, then forces."""
         return [("stress", self._launch_stress), ("force", self._launch_force)]
 
     def operators(self) -> list[wp.array]:
@@ -92,7 +92,7 @@ class HamiltonianModel:
         return stress_fields(self.gradient, self.constants(), types=self._types, device=self._device)
 
     def energy_densities(self, state: ElasticState) -> np.ndarray:
-        """Strain energy per reference volume, without that of the zero-energy modes' control [J/m^3], shape [n]."""
+        """Strain energy per reference volume, without that of the hourglass control [J/m^3], shape [n]."""
         densities = wp.empty(len(self.gradient), dtype=self._types.real, device=self._device)
         inputs = [*self.constants(), self.gradient]
         wp.launch(stress_kernels(self._types).density, len(densities), inputs, [densities], device=self._device)

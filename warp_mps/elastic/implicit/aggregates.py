@@ -1,4 +1,4 @@
-"""Aggregates: the particles of bodies in compact groups, each a coarse unknown of a preconditioner.
+"""Aggregation: compact groups of particles, whose rigid motions are the coarse unknowns of a preconditioner.
 
 An aggregate is a connected piece of a body in a box of a lattice that is laid over the body's reference configuration.
 Bodies share none, and neither do the two sides of a gap. What the particles' neighbour lists connect is a body here.
@@ -11,10 +11,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-# width of the boxes in particle spacings: narrower ones cost more unknowns than they save iterations
+# width of the boxes in particle spacings; narrower boxes cost more in unknowns than they save in iterations
 WIDTH = 4.0
-# wider where a body would have more unknowns than the host may invert a matrix of, or a dense inverse of more numbers
-# for each particle: so many take about as long to multiply by as the body's tangent
+# largest number of unknowns of a body, by the inversion on the host, and of entries of the dense inverse per particle:
+# beyond that a product with the inverse takes longer than one with the tangent, and the boxes are made wider
 MOST_UNKNOWNS = 900
 INVERSE_PER_PARTICLE = 50.0
 GROWTH = 1.15
@@ -29,9 +29,9 @@ class Aggregates:
         first: First place of each aggregate in `order`, shape [count + 1].
         order: Particles by aggregate.
         bodies: Body of each aggregate, ascending, shape [count].
-        rows: Aggregates whose particles feel those in `columns`, themselves included, shape [couplings].
-        columns: Aggregates that are felt, shape [couplings].
-        colours: Numbers such that no aggregate feels two of one number, shape [count].
+        rows: Aggregates that are coupled to those in `columns`, including themselves, shape [couplings].
+        columns: Aggregates that they are coupled to, shape [couplings].
+        colours: Colours such that no aggregate is coupled to two of the same colour, shape [count].
     """
 
     of: np.ndarray
@@ -51,13 +51,13 @@ class Aggregates:
 def aggregate(
     positions: np.ndarray, spacings: np.ndarray, moves: np.ndarray, start: np.ndarray, index: np.ndarray, *, modes: int
 ) -> Aggregates:
-    """Gather particles.
+    """Aggregate particles.
 
     Args:
         positions: Reference positions [m], shape [n, d].
         spacings: Their spacings [m], shape [n].
         moves: Whether any axis of a particle is free, shape [n].
-        start: First neighbour of each particle in `index`, shape [n + 1]; every particle has one.
+        start: First neighbour of each particle in `index`, shape [n + 1]; every particle has at least one.
         index: Neighbours.
         modes: Unknowns of an aggregate.
     """
@@ -77,7 +77,7 @@ def _labels(start: np.ndarray, index: np.ndarray, kinds: np.ndarray) -> np.ndarr
     while True:
         nearby = np.where(same, label[index], len(kinds))
         lower = np.minimum(label, np.minimum.reduceat(nearby, start[:-1]))
-        # a label is a particle of the same piece, whose own label is as good
+        # pointer jumping: a label is a particle of the same piece
         lower = lower[lower]
         if (lower == label).all():
             return label
@@ -101,7 +101,7 @@ def _pieces(
     while wide:
         for body in wide:
             kinds[members[body]] = _boxes(positions[members[body]], width[body])
-        # what does not move keeps pieces of a box apart
+        # particles that do not move separate the pieces of a box
         labels = _labels(start, index, np.where(moves, kinds, -1))
         counts = {body: len(np.unique(labels[members[body]])) for body in wide}
         extents = {body: float(np.ptp(positions[members[body]], axis=0).max()) for body in wide}

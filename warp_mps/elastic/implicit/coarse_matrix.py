@@ -7,12 +7,12 @@ import numpy as np
 from warp_mps.elastic.implicit.aggregates import Aggregates
 
 SHIFT_GROWTH = 100.0
-# of a diagonal, relative to the largest: motions below it are of what does not move, as turns of single particles
-NOTHING = 1e-14
+# smallest diagonal entry, relative to the largest: below it a motion has no stiffness, as a rotation of one particle
+NO_STIFFNESS = 1e-14
 
 
 class CoarseMatrix:
-    """Where the entries of the coarse matrix are, the blocks of the bodies one after the other.
+    """Layout of the coarse matrix: the dense blocks of the bodies one after the other.
 
     Attributes:
         total: Entries of all blocks.
@@ -40,7 +40,7 @@ class CoarseMatrix:
         here, mode = modes * rows, np.arange(modes)
         inside = here - self.first[here], modes * columns - self.first[here]
         row, column = inside[0][:, None, None] + mode, inside[1][:, None, None] + mode[:, None]
-        # of an answer to a motion of a column: the motion, then what it does
+        # indices of the response to a unit motion of a column: the motion, then the force
         self._places = self.block[here][:, None, None] + row * self.size[here][:, None, None] + column
 
     def inverse(self, answers: np.ndarray, shift: float) -> np.ndarray:
@@ -49,7 +49,7 @@ class CoarseMatrix:
         Args:
             answers: Forces and moments on the aggregates while those of a colour move, shape [colours, modes,
                 aggregates, modes].
-            shift: Least addition to the diagonal, relative to it.
+            shift: Smallest shift of the diagonal, relative to it.
         """
         colour, row = self._entries
         flat = np.zeros(self.total)
@@ -61,17 +61,17 @@ class CoarseMatrix:
 
 
 def positive_inverse(matrix: np.ndarray, shift: float) -> np.ndarray:
-    """Inverse of a symmetric matrix that should be positive, made positive if need be.
+    """Inverse of a symmetric matrix, whose diagonal is shifted until it is positive definite.
 
     Args:
         matrix: The matrix, shape [m, m].
-        shift: Least addition to its diagonal, relative to it.
+        shift: Smallest shift of its diagonal, relative to it.
 
     Returns:
-        The inverse; 0 in rows with nothing on the diagonal, and wholly if the matrix holds what is no number.
+        The inverse; 0 in rows without stiffness, and entirely 0 if the matrix is not finite.
     """
     diagonal = np.diagonal(matrix)
-    there = diagonal > NOTHING * diagonal.max(initial=0.0)
+    there = diagonal > NO_STIFFNESS * diagonal.max(initial=0.0)
     scale = np.where(there, 1.0 / np.sqrt(np.where(there, diagonal, 1.0)), 0.0)
     scaled = 0.5 * (matrix + matrix.T) * np.outer(scale, scale)
     while shift < 1.0:
@@ -81,6 +81,6 @@ def positive_inverse(matrix: np.ndarray, shift: float) -> np.ndarray:
         except np.linalg.LinAlgError:
             shift *= SHIFT_GROWTH
             continue
-        # a matrix that holds what is no number may have passed
+        # the factorization may have accepted NaN
         return half.T @ half if np.isfinite(half).all() else np.zeros_like(matrix)
     return np.zeros_like(matrix)

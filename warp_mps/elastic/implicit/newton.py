@@ -1,9 +1,12 @@
 """Newton's method for the equilibrium of elastic particles, and for a step of time in its form.
 
-The linear systems are solved by conjugate gradients on the device, to a part of the residual (Dembo, Eisenstat and
-Steihaug, SIAM J. Numer. Anal. 19 (1982) 400), with two levels of preconditioning. The host inverts the coarse one now
-and then; else it only decides how much of each change is made. It is as much as the potential falls by (Armijo's rule,
-Nocedal & Wright, Numerical Optimization, 2nd ed., section 3.1).
+It is an inexact Newton method: the linear systems are solved on the device by preconditioned conjugate gradients, to a
+fraction of the residual. The line search on the host is Armijo backtracking of the potential. The host also inverts the
+coarse level of the two-level preconditioner, whenever that is rebuilt.
+
+References:
+    Dembo, R. S., Eisenstat, S. C. and Steihaug, T., SIAM J. Numer. Anal. 19 (1982) 400 (inexact Newton).
+    Nocedal, J. and Wright, S. J., Numerical Optimization, 2nd ed., section 3.1 (Armijo backtracking).
 """
 
 from __future__ import annotations
@@ -27,26 +30,26 @@ from warp_mps.elastic.implicit.two_level import TwoLevelPreconditioner
 from warp_mps.elastic.state import ElasticState
 from warp_mps.particles.particles import Particles
 
-# residual of the forces, relative to what they are measured by
+# residual of the forces, relative to its scale
 TOLERANCES = {"float64": 1e-8, "float32": 1e-4}
-# of the linear systems, relative to their right-hand sides
+# tolerance of the linear systems, relative to their right-hand sides
 LINEAR_TOLERANCE = 1e-4
 MOST_ITERATIONS = 60
 MOST_HALVINGS = 30
-# part of the potential's first-order fall that a step must bring, and its rounding
+# sufficient decrease of the potential over its first-order decrease (Armijo), and the rounding of the potential
 ARMIJO = 1e-4
 ROUNDING = {"float64": 1e-13, "float32": 1e-5}
 
 
 @dataclass
 class NewtonStatistics:
-    """What was done so far.
+    """Statistics of a solver since its start.
 
     Attributes:
         solves: Equilibria found.
-        iterations: Newton iterations of all together.
-        most_iterations: Those of the longest.
-        worst_residual: Largest residual of the forces that was left, relative to what they are measured by.
+        iterations: Newton iterations of all solves.
+        most_iterations: Newton iterations of the longest solve.
+        worst_residual: Largest final residual of the forces, relative to its scale.
     """
 
     solves: int = 0
@@ -56,7 +59,7 @@ class NewtonStatistics:
 
 
 class _Evaluation(NamedTuple):
-    """What the host sees of a state: norm of the residual, of its measure, the potential, and what it is the sum of."""
+    """Norms of the residual and of its scale, the potential, and the magnitude of its terms."""
 
     residual: float
     scale: float
@@ -69,14 +72,14 @@ class Newton:
 
     Attributes:
         applied: Forces that do not depend on the displacements [N], vec [n].
-        target: Places u of the held axes [m], vec [n]; free axes do not count.
+        target: Displacements u of the held axes [m], vec [n]; free axes are ignored.
         center: c [m], vec [n].
         inertia: a [1/s^2], float64, shape [1].
         solver: The linear solver.
         tangent: The operator.
-        preconditioner: That of the linear solver.
-        statistics: What was done so far.
-        tolerance: Norm of the residual that is asked for, relative to the forces.
+        preconditioner: The preconditioner of the linear solver.
+        statistics: Statistics so far.
+        tolerance: Norm of the residual to reach, relative to the forces.
 
     Args:
         model: The model.
@@ -87,8 +90,8 @@ class Newton:
         types: Number types.
         device: Warp device.
         graphs: Whether launches are replayed as graphs.
-        tolerance: Norm of the residual that is asked for, relative to the forces; None is that of `TOLERANCES`.
-        linear_tolerance: Of the linear systems, relative to their right-hand sides.
+        tolerance: Norm of the residual to reach, relative to the forces; by default that of `TOLERANCES`.
+        linear_tolerance: Tolerance of the linear systems, relative to their right-hand sides.
     """
 
     def __init__(
@@ -148,13 +151,13 @@ class Newton:
         """Find the equilibrium from the present displacements on.
 
         Args:
-            jumps: Whether held axes are not in their places yet.
-            measure: Whether the residual may also be measured by the one that there is at the start.
-            guess: Launches displacements to begin with instead, if the residual is smaller there.
-            tolerance: Asked for this time instead of that of all times.
+            jumps: Whether held axes are not yet at their target.
+            measure: Whether the residual is also measured by the initial one.
+            guess: Launches an initial guess, which is taken if its residual is smaller.
+            tolerance: Tolerance of this solve, if not the default.
 
         Returns:
-            Whether it was found; if not, the displacements are where the search ended.
+            Whether it was found; if not, the displacements are those of the last iteration.
         """
         tolerance = tolerance or self.tolerance
         now = self._evaluation("evaluate", self._evaluate)
@@ -177,7 +180,7 @@ class Newton:
         return self._count(iterations, now.residual / (max(now.scale, first) or 1.0), found=False)
 
     def _try_guess(self, now: _Evaluation, guess: Callable[[], None]) -> _Evaluation:
-        """Go to a guess, or stay where the residual is smaller."""
+        """Take an initial guess if its residual is smaller."""
         wp.copy(self._kept, self._state.u)
         self._run("guess", guess)
         there = self._evaluation("evaluate", self._evaluate)
@@ -187,7 +190,7 @@ class Newton:
         return self._evaluation("evaluate", self._evaluate)
 
     def worst_particle(self) -> int:
-        """Where the search ended furthest from equilibrium, or first with a number that is none."""
+        """The particle with the largest residual in the last iteration; NaN counts as the largest."""
         return int(np.argmax(np.abs(self._residual.numpy()).reshape(self._n, -1).max(axis=1)))
 
     def _count(self, iterations: int, residual: float, *, found: bool) -> bool:
@@ -199,13 +202,14 @@ class Newton:
         return found
 
     def _search(self, start: _Evaluation, *, jumps: bool) -> tuple[_Evaluation, bool] | None:
-        """Make as much of the change as lowers the potential; whether it is all of it. None if no part of it does.
+        """Armijo backtracking along the change: the evaluation there, and whether the full step was taken.
 
-        While held axes are moved, the potential says nothing, and all is made that leaves numbers.
+        None if no step length decreases the potential. While held axes move, the potential gives no criterion, and the
+        largest step with a finite potential is taken.
         """
         slope = float(self._numbers.numpy()[names.SLOPE])
         if not jumps and not slope > 0.0:
-            # the tangent is not positive here: down the residual
+            # the tangent is not positive definite here: steepest descent
             self._run("descend", self._descend)
             slope = float(self._numbers.numpy()[names.SLOPE])
         part = 1.0
@@ -216,11 +220,11 @@ class Newton:
             wanted = start.potential - ARMIJO * part * slope + slack
             falls = now.potential <= wanted
             if not falls and now.residual < start.residual:
-                # the weight of a body that floats far from where it began is much larger than what changes
+                # the potential of the weight of a body that has drifted far is much larger than its change
                 falls = now.potential <= wanted + self._rounding * (start.terms + now.terms)
             if falls or (jumps and math.isfinite(now.potential)):
                 return now, part == 1.0
-            # of the parabola through what is known, within bounds
+            # minimum of the parabola through the known values, within bounds
             rise = now.potential - start.potential + part * slope
             best = 0.5 * slope * part / rise if math.isfinite(rise) and rise > 0.0 else 0.1
             part *= min(max(best, 0.1), 0.5)
@@ -258,7 +262,7 @@ class Newton:
         reuse.record_solve(self.solver.read_statistics().last_iterations)
 
     def _direct(self) -> None:
-        """The change that the tangent at the present state asks for."""
+        """Newton direction: solve (K + m a) du = r at the present state."""
         kernels, vectors = self._kernels, self.tangent.vectors
         wp.copy(self._kept, self._state.u)
         self._launch(kernels.jump, [self._free, self._state.u, self.target], [vectors(self._jump)])
@@ -269,7 +273,7 @@ class Newton:
         self._end_direction()
 
     def _descend(self) -> None:
-        """Down the residual, as the blocks of the tangent measure it, which are positive in any state."""
+        """Steepest descent direction in the norm of the diagonal blocks, which are positive in any state."""
         self.tangent.apply(self._residual, self._change)
         self._end_direction()
 

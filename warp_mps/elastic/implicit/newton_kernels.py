@@ -1,6 +1,6 @@
 """Kernels of Newton's method: residual and potential, trial steps, and what the host reads of them.
 
-What is minimised over the displacements of the free axes is
+The potential that is minimized over the displacements of the free axes is
 
     Pi(u) = W(u) - f . u + a/2 (u - c) . m (u - c),   -dPi/du = r = f_el(u) + f - a m (u - c)
 
@@ -15,8 +15,8 @@ import warp as wp
 from warp_mps.core.types import NumericTypes
 from warp_mps.elastic.implicit.tangent_kernels import METHOD
 
-# What the host reads: the square of the residual, r . du, the square of what the residual is measured by, and twice the
-# potential; sums come in pairs, so that the sum of the squares of what the potential is made of comes last.
+# Values that the host reads: the square of the residual, r . du, the square of its scale, and twice the potential. Sums
+# come in pairs: the last value is the sum of squares of the terms of the potential.
 RESIDUAL, SLOPE, SCALE, POTENTIAL, NUMBERS = 0, 1, 2, 3, 5
 
 

@@ -18,8 +18,8 @@ class Tangent:
     """K + m a among the free axes of a model's particles, at the last evaluation of the model's stresses.
 
     Attributes:
-        operator: The tangent for `warp_mps.core.linear.conjugate_gradient.ConjugateGradient`, over vectors of d numbers
-            a particle in one row.
+        operator: The tangent for `warp_mps.core.linear.conjugate_gradient.ConjugateGradient`, over vectors of
+            n d values.
         block: Its diagonal blocks, float64, shape [n, d, d].
 
     Args:

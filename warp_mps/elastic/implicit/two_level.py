@@ -2,18 +2,24 @@
 
     M^-1 = D^-1 + P (P^T A P)^-1 P^T,   A = K + m a
 
-D are the blocks of the particles, and the columns of P the rigid motions of small groups of particles, where these are
-now. D^-1 is a good inverse for what varies from particle to particle. What varies slowly, such as bending, needs as
-many iterations as a body has particles along it; it hardly strains small groups, so that their motions hold it. The
-sum is additive Schwarz (Toselli & Widlund, Domain Decomposition Methods, Springer 2005, chapters 2 and 3): symmetric
-and positive, and two small kernels more than D alone. Rigid motions of aggregates, which coarsen thin bodies without
-locking, are from Bulgakov & Kuhn, Int. J. Numer. Meth. Engng 38 (1995) 3529, and coarse spaces of them from Nicolaides,
-SIAM J. Numer. Anal. 24 (1987) 355, and Vanek, Mandel & Brezina, Computing 56 (1996) 179, whose smoothing of P is left
+D are the diagonal blocks of the particles, and the columns of P the rigid motions of small groups of particles, at
+their present positions. D^-1 is a good inverse for errors that vary from particle to particle. Smooth errors, such as
+bending, would need as many iterations as a body has particles along it. They hardly strain small groups, so that the
+rigid motions of the groups represent them. The sum is additive Schwarz (Toselli & Widlund): symmetric and positive, and
+two small kernels more than D alone. Rigid motions of aggregates, which coarsen thin bodies without locking, are from
+Bulgakov & Kuhn, and coarse spaces of them from Nicolaides and from Vanek et al. The smoothing of P of the latter is left
 out: it saves less than it costs here.
 
-P^T A P is found from products with A: aggregates that nothing feels together move in the same product (Curtis, Powell
-& Reid, J. Inst. Math. Appl. 13 (1974) 117). Its dense inverse, a block for each body, is made on the host. It stays
-good while a body bends and dt changes, so that it is rebuilt only when that pays.
+P^T A P is found from products with A: aggregates without a common neighbour move in the same product (Curtis et al.).
+Its dense inverse, a block for each body, is computed on the host. It remains good while a body bends and dt changes, so
+that it is rebuilt only when that pays.
+
+References:
+    Toselli, A. and Widlund, O., Domain Decomposition Methods, Springer (2005), chapters 2 and 3.
+    Bulgakov, V. E. and Kuhn, G., Int. J. Numer. Meth. Engng 38 (1995) 3529.
+    Nicolaides, R. A., SIAM J. Numer. Anal. 24 (1987) 355.
+    Vanek, P., Mandel, J. and Brezina, M., Computing 56 (1996) 179.
+    Curtis, A. R., Powell, M. J. D. and Reid, J. K., J. Inst. Math. Appl. 13 (1974) 117.
 """
 
 from __future__ import annotations
@@ -34,8 +40,7 @@ from warp_mps.elastic.implicit.two_level_kernels import two_level_kernels
 from warp_mps.elastic.state import ElasticState
 from warp_mps.particles.particles import Particles
 
-# added to the diagonal of a coarse matrix of unit diagonal: for bodies that nothing holds, and for the rounding of
-# products in the run's precision
+# shift of the diagonal of a coarse matrix of unit diagonal: for unsupported bodies, and for the rounding of products
 SHIFTS = {"float64": 1e-12, "float32": 1e-6}
 # cost of a rebuild in iterations: what the host does in any case, one for each product, and for the inversion of m
 # rows as many as m^3 / 20 over the pairs of particles
@@ -122,7 +127,7 @@ class TwoLevelPreconditioner:
         self._answers = wp.zeros(self._colours * self._modes * unknowns, dtype=wp.float64, device=device)
         self._inverse = wp.zeros(matrix.total, dtype=wp.float64, device=device)
         self._on, self._always = wp.zeros(1, dtype=wp.int32, device=device), integers(np.ones(1))
-        # what the coarse level was made of
+        # displacements and inertia for which the coarse level was computed
         self._made_of, self._made_at = wp.zeros_like(state.u), wp.zeros_like(inertia)
 
     def prepare(self, matrix: Any, inverse: wp.array) -> None:
@@ -150,7 +155,7 @@ class TwoLevelPreconditioner:
         self.reuse.record_rebuild()
 
     def arrays(self) -> dict[str, np.ndarray]:
-        """What it goes on with, for a checkpoint."""
+        """Host copies of what evolves, by name, for a checkpoint."""
         numbers = [*self.reuse.state(), self._on.numpy()[0], self._made_at.numpy()[0]]
         return {"coarse": np.array(numbers), "coarse_u": self._made_of.numpy().copy()}
 
@@ -182,7 +187,7 @@ class TwoLevelPreconditioner:
         self._on.fill_(1)
 
     def _probe(self) -> None:
-        """Forces and moments on the aggregates while those of a colour move."""
+        """Products with A: forces and moments on the aggregates while those of one colour move."""
         kernels, tangent = self._kernels, self._tangent
         self._launch(
             kernels.arms, self.aggregates.count, [self._first, self._order, self._reference, self._state.u], [self._arm]
@@ -202,7 +207,7 @@ class TwoLevelPreconditioner:
         self._launch(self._kernels.sum_parts, self.aggregates.count, inputs, [self._motions(out)])
 
     def _motions(self, flat: wp.array) -> wp.array:
-        """The memory of coarse unknowns as those of one aggregate after the other."""
+        """A view of coarse unknowns as one vector for each aggregate."""
         count = len(flat) // self._modes
         return wp.array(ptr=flat.ptr, dtype=self._motion, shape=count, device=self._device, copy=False)
 

@@ -1,4 +1,7 @@
-"""Kernels of the two-level preconditioner: motions of aggregates, forces and moments on them, and between the two."""
+"""Kernels of the two-level preconditioner: restriction, coarse solve and prolongation by rigid motions of aggregates.
+
+z += P A_c^-1 P^T r,   A_c = P^T (K + m a) P
+"""
 
 import functools
 from types import SimpleNamespace
@@ -13,8 +16,8 @@ from warp_mps.elastic.implicit.tangent_kernels import METHOD
 def two_level_kernels(types: NumericTypes) -> SimpleNamespace:
     """Kernels `arms`, `rigid_motion`, `restrict`, `sum_parts`, `coarse_solve`, `sum_shares` and `prolong`.
 
-    A motion of an aggregate is a velocity of its centre and an angular velocity about it, 3 numbers in 2-D and 6 in
-    3-D; what does work on it is a force and a moment. Nothing is done while `on` is 0.
+    A motion of an aggregate is a velocity of its centre and an angular velocity about it: 3 values in 2-D, 6 in 3-D.
+    The conjugate wrench is a force and a moment. All kernels return at once while `on` is 0.
     """
     vec, d = types.vec, types.dimension
     real64 = wp.float64
@@ -31,7 +34,7 @@ def two_level_kernels(types: NumericTypes) -> SimpleNamespace:
 
         @types.func(METHOD)
         def motion(arm: vec64, m: modes) -> vec64:
-            """What a motion of an aggregate does at an arm."""
+            """Velocity v + omega x arm of a motion of an aggregate at an arm."""
             return vec64(m[0] - m[2] * arm[1], m[1] + m[2] * arm[0])
 
     else:
@@ -44,7 +47,7 @@ def two_level_kernels(types: NumericTypes) -> SimpleNamespace:
 
         @types.func(METHOD)
         def motion(arm: vec64, m: modes) -> vec64:
-            """What a motion of an aggregate does at an arm."""
+            """Velocity v + omega x arm of a motion of an aggregate at an arm."""
             return vec64(m[0], m[1], m[2]) + wp.cross(vec64(m[3], m[4], m[5]), arm)
 
     @types.kernel(METHOD)
@@ -58,7 +61,7 @@ def two_level_kernels(types: NumericTypes) -> SimpleNamespace:
         # State out:
         arm_out: wp.array(dtype=vec64),
     ):
-        """From the centre of an aggregate to its particles, where they are now."""
+        """Arms x_i - mean(x) from the centre of an aggregate to its particles, at their present positions."""
         a = wp.tid()
         total = vec64()
         for k in range(first[a], first[a + 1]):
@@ -82,7 +85,7 @@ def two_level_kernels(types: NumericTypes) -> SimpleNamespace:
         # State out:
         x_out: wp.array(dtype=vec64),
     ):
-        """One motion of all the aggregates of a colour at once."""
+        """Column of P: a unit motion of all aggregates of one colour."""
         i = wp.tid()
         a = aggregate[i]
         x_out[i] = vec64()
@@ -106,7 +109,7 @@ def two_level_kernels(types: NumericTypes) -> SimpleNamespace:
         # State out:
         wrench_out: wp.array(dtype=modes),
     ):
-        """Forces and moments on parts of the aggregates."""
+        """Restriction P^T r on parts of the aggregates: sums of forces and moments."""
         part = wp.tid()
         if on[0] == 0:
             return
@@ -127,7 +130,7 @@ def two_level_kernels(types: NumericTypes) -> SimpleNamespace:
         # State out:
         wrench_out: wp.array(dtype=modes),
     ):
-        """Those on the parts of an aggregate together, from a place on."""
+        """Restriction of an aggregate: sum over its parts."""
         a = wp.tid()
         if on[0] == 0:
             return
@@ -151,7 +154,7 @@ def two_level_kernels(types: NumericTypes) -> SimpleNamespace:
         # State out:
         motion_out: numbers,
     ):
-        """A share of a row of the inverse, of its body's block, times forces and moments, in four strands for speed.
+        """A share of a row of A_c^-1, in the block of its body, times the wrenches, in four partial sums for speed.
 
         The block is symmetric: threads side by side read elements side by side if it is read by columns.
         """
@@ -190,7 +193,7 @@ def two_level_kernels(types: NumericTypes) -> SimpleNamespace:
 
     @types.kernel(METHOD)
     def sum_shares(on: counts, shares: wp.int32, parts: numbers, motion_out: numbers):
-        """The shares of a row together."""
+        """Sum of the shares of a row."""
         row = wp.tid()
         if on[0] == 0:
             return

@@ -127,7 +127,7 @@ def law_funcs(types: NumericTypes) -> SimpleNamespace:
         e = half * (h + wp.transpose(h) + wp.transpose(h) * h)
         if law == 0:
             return mu * wp.ddot(e, e) + half * lame * wp.trace(e) * wp.trace(e)
-        # tr C - d - 2 ln J, with the stretch across the plane: what is of first order in C - I has cancelled out
+        # tr C - d - 2 ln J, with the stretch across the plane: the terms of first order in C - I cancel
         c = two * e
         beyond = volume_beyond_trace(c)
         defect = log_defect(wp.trace(c) + beyond)

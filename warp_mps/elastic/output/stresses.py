@@ -1,15 +1,15 @@
-"""Stresses and strains of the particles, evaluated when somebody looks at them and not within a step.
+"""Stresses and strains of the particles, evaluated when they are read and not within a step.
 
 Both come from the deformation gradient F of each particle: the Green-Lagrange strain E = (F^T F - I)/2 and the Cauchy
 stress sigma = P F^T / J of the material's law. All are 3 x 3; in 2-D the third axis is the normal of the plane:
 
-- plane strain: E_zz = 0, and sigma_zz is what keeps the thickness;
+- plane strain: E_zz = 0, and sigma_zz is the stress that keeps the thickness;
 - plane stress: sigma_zz = 0, and E_zz is the thinning. Stresses are then per metre of the reference depth, as all
   forces are in 2-D; over the present thickness they are larger by 1/sqrt(1 + 2 E_zz).
 
 The `hamiltonian` model has F. For `springs`, F is fitted to the neighbours by least squares, and the law is linear
-between E and the second Piola-Kirchhoff stress: sums of its pair forces would miss, at a surface, the neighbours that
-are not there, and it is at surfaces that the stress is looked for. Stresses are elastic: damping has no part in them.
+between E and the second Piola-Kirchhoff stress: sums of its pair forces would be wrong at a surface, where neighbours
+are missing and stresses matter most. Stresses are elastic: they do not contain damping.
 """
 
 import functools
@@ -75,7 +75,7 @@ def stress_kernels(types: NumericTypes) -> SimpleNamespace:
         stress_out: wp.array(dtype=tensor),
         strain_out: wp.array(dtype=tensor),
     ):
-        """Cauchy stress and Green-Lagrange strain."""
+        """Cauchy stress sigma = P F^T / J and Green-Lagrange strain E = (F^T F - I)/2."""
         i = wp.tid()
         h = gradient[i]
         f = h + wp.identity(n=wp.static(types.dimension), dtype=real)
@@ -98,7 +98,7 @@ def stress_kernels(types: NumericTypes) -> SimpleNamespace:
         # State out:
         density_out: wp.array(dtype=real),
     ):
-        """Strain energy per reference volume."""
+        """Strain energy psi(F) per reference volume [J/m^3]."""
         i = wp.tid()
         density_out[i] = energy_density(law[i], gradient[i], lame[i], mu[i], plane_stress)
 
@@ -115,10 +115,10 @@ def stress_kernels(types: NumericTypes) -> SimpleNamespace:
         # State out:
         gradient_out: wp.array(dtype=mat),
     ):
-        """H = F - I by least squares, with the weights w/|X|^2; directions without neighbours turn with the particle.
+        """H = F - I by least squares, with the weights w/|X|^2; directions without neighbours rotate with the particle.
 
-        What the particle's own rotation leaves of the neighbours' displacements is fitted. So a row or a sheet of
-        particles, which `springs` allows, has no strain across itself.
+        The fit is to the displacements relative to the particle's own rotation. A row or a layer of particles, which
+        `springs` allows, therefore has no strain across itself.
         """
         i = wp.tid()
         m = mean_rotor(q[i], q[i])

@@ -31,7 +31,7 @@ class SpringModel:
         bulk: V0 lambda / n^2 of each particle [N m].
         rotation: Rotation of the particles.
         pressure: V0 lambda (div u)_i / n_i of each particle [N m], shape [n].
-        number_density: What the operators of each particle are normalized by, n0 or n_i [-], shape [n].
+        number_density: Number density that normalizes the operators of each particle, n0 or n_i [-], shape [n].
     """
 
     def __init__(
@@ -71,7 +71,7 @@ class SpringModel:
 
     @property
     def passes(self) -> list[tuple[str, Pass]]:
-        """What evaluates the forces, in order: the volume changes, then forces and torques."""
+        """The launches that evaluate the forces, in order: volume changes, then forces and torques."""
         return [("pressure", self._launch_pressure), ("force", self._launch_force)]
 
     def launch_energy(self, state: ElasticState, energy_out: wp.array) -> None:

@@ -34,7 +34,7 @@ class ParticleRotation:
         self._inverse_inertia = wp.array(np.where(held, 0.0, 1.0 / inertia), dtype=types.real, device=device)
 
     def drift(self, dt: float, first: int, count: int) -> None:
-        """Half a kick with the torques of the last step, then the whole turn."""
+        """Half a kick with the torques of the last step, then the rotation by omega dt."""
         inputs = [first, dt, self._inverse_inertia, self.torque]
         wp.launch(self._kernels.drift, count, inputs, [self.q, self.omega], device=self._device)
 
@@ -44,7 +44,7 @@ class ParticleRotation:
         wp.launch(self._kernels.kick, count, inputs, [self.omega], device=self._device)
 
     def damp(self, factor: float, dissipated: wp.array) -> None:
-        """Multiply the angular velocities and add up what that takes out."""
+        """Multiply the angular velocities by a factor, and add the energy loss to the dissipated energy."""
         inputs = [factor, self._inertia, self._inverse_inertia]
         wp.launch(self._kernels.damp, self._n, inputs, [self.omega, dissipated], device=self._device)
 
@@ -61,6 +61,6 @@ class ParticleRotation:
         return {name: getattr(self, name).numpy().copy() for name in EVOLVING}
 
     def assign(self, arrays: dict[str, np.ndarray]) -> None:
-        """Take over arrays that `arrays` gave."""
+        """Continue from arrays that `arrays` gave."""
         for name in EVOLVING:
             getattr(self, name).assign(arrays[name])
