@@ -7,7 +7,7 @@ their present positions. D^-1 is a good inverse for errors that vary from partic
 bending, would need as many iterations as a body has particles along it. They hardly strain small groups, so that the
 rigid motions of the groups represent them. The sum is additive Schwarz (Toselli & Widlund): symmetric and positive, and
 two small kernels more than D alone. Rigid motions of aggregates, which coarsen thin bodies without locking, are from
-Bulgakov & Kuhn, and coarse spaces of them from Nicolaides and from Vanek et al. The smoothing of P of the latter is left
+Bulgakov & Kuhn, and coarse spaces of them from Nicolaides and from Vanek et al. Their smoothing of P is left
 out: it saves less than it costs here.
 
 P^T A P is found from products with A: aggregates without a common neighbour move in the same product (Curtis et al.).
