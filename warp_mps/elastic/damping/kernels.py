@@ -5,11 +5,11 @@ They come from one dissipation function, which is to the rates what the energy o
 
     D = sum_i V_i tau (mu E'_i : E'_i + lambda/2 tr(E'_i)^2) + sum_i sum_j 1/2 tau kappa_i omega_ij |c'_ij|^2
 
-tau is the material's retardation time, E' the rate of the Green-Lagrange strain and c_ij = F_i^T e_ij the deviation
-that the hourglass control resists, in the frame of the body. F' is fitted to the neighbours' velocities as F is to their
-displacements. Small motion about rest then has a damping matrix of tau times its stiffness matrix: a mode of angular
-frequency omega has the damping ratio tau omega / 2. Rotations change neither E nor c: they are not damped, and momentum
-and angular momentum are kept. The forces f = -dD/dv are
+tau is the material's retardation time and E' the rate of the Green-Lagrange strain. c_ij = F_i^T e_ij is the deviation
+that the hourglass control resists, in the frame of the body. F' is fitted to the neighbours' velocities as F is to
+their displacements. Small motion about rest then has a damping matrix of tau times its stiffness matrix: a mode of
+angular frequency omega has the damping ratio tau omega / 2. Rotations change neither E nor c: they are not damped, and
+momentum and angular momentum are kept. The forces f = -dD/dv are
 
     f_i = sum_j omega_ij [(D_i + D_j) X_ij + tau kappa_i F_i c'_ij - tau kappa_j F_j c'_ji]
     D_i = [V_i F_i S_i + tau kappa_i sum_j omega_ij e_ij (x) c'_ij] A_i^-1,   S = tau (2 mu E' + lambda tr(E') I)
