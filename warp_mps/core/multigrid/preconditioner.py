@@ -35,7 +35,13 @@ from warp_mps.core.linear.conjugate_gradient import Matrix
 from warp_mps.core.multigrid.cell_kernels import cell_kernels
 from warp_mps.core.multigrid.cell_numbering import METHOD, cell_type, corner_type
 from warp_mps.core.multigrid.particle_kernels import BINS_PER_THREAD, particle_kernels
-from warp_mps.core.multigrid.transfer_tables import TransferTable, coarse_dims, interpolation, cell_neighbours, transpose
+from warp_mps.core.multigrid.transfer_tables import (
+    TransferTable,
+    cell_neighbours,
+    coarse_dims,
+    interpolation,
+    transpose,
+)
 from warp_mps.core.types import NumericTypes
 
 # Stiffness of a linear field over that of its piecewise constant image in cells as wide as the effective radius:
@@ -153,13 +159,18 @@ class MultigridPreconditioner:
         outputs = [self._bin, self._order, self._between, self._cell, self._weight]
         self._launch(particles.locate_particles, self._n, [*self._box, self._bins, inverse, self.positions], outputs)
         wp.utils.radix_sort_pairs(self._bin, self._order, self._n, end_bit=self._bins.bit_length())
-        self._launch(particles.find_starts, self._bins // BINS_PER_THREAD + 1, [self._n, self._bins, self._bin], [self._start])
+        self._launch(
+            particles.find_starts, self._bins // BINS_PER_THREAD + 1, [self._n, self._bins, self._bin], [self._start]
+        )
         rows = [matrix.first, matrix.count, matrix.index, matrix.value, matrix.diagonal]
         inputs = [*self._grid, self._scale, *rows, self._start, self._order, self._cell]
         self._launch(particles.assemble_cell_matrix, top.size, inputs, [self._share, *top.matrix])
         self._launch(particles.corner_values, self._sums, [*self._grid, top.diagonal], [self._corner_sums])
         self._launch(
-            particles.normalize_weights, self._n, [inverse, self._between, self._share, self._corner_sums], [self._weight]
+            particles.normalize_weights,
+            self._n,
+            [inverse, self._between, self._share, self._corner_sums],
+            [self._weight],
         )
         for fine, coarse in itertools.pairwise(levels):
             inputs = [fine.dims, coarse.dims, self._wraps, fine.coupling, fine.excess]
