@@ -98,6 +98,15 @@ def test_fluids_are_checked_and_run(tmp_path: Path, capsys: pytest.CaptureFixtur
     assert read_history(out / "probes.csv").probe("drop")[-1] == pytest.approx(0.01, rel=0.02)
 
 
+def test_check_says_how_much_of_a_fluid_gives_way(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A square of 30 x 30 particles of water about one of 10 x 10."""
+    water = ("Cube", 'token mps:role = "fluid"', "double mps:spacing = 0.1", "double size = 3")
+    assert main(["check", str(write(tmp_path, Water=water))]) == 0
+    text = capsys.readouterr().out
+    assert re.search(r"particles of Water +800\b", text)
+    assert "Water: 100 particles give way to Beam, which it was drawn into" in text
+
+
 def test_a_shorter_run_leaves_out_what_comes_later(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["check", "dam_break_elastic_gate", "--duration", "0.1"]) == 0
     line = capsys.readouterr().err
