@@ -53,7 +53,7 @@ class FluidStep:
         implicit_viscosity: What solves for viscous velocities, None if viscosity is explicit.
         viscous_acceleration: Viscous accelerations, of wall particles the reaction's; of fluid particles with those by
             body forces [m/s^2], vec [n].
-        mirror_velocity: Velocities that viscosity sees in walls [m/s], vec [w].
+        ghost_velocity: Velocities of walls for viscosity, mirrored at walls without slip [m/s], vec [w].
         velocity_change: Last change of velocity of fluid particles, by pressure or collisions [m/s], vec [m].
         shift: Shifts of fluid particles [m], vec [m].
         replay: Replays launches under a name; forgets them when arrays are replaced.
@@ -83,7 +83,7 @@ class FluidStep:
             else None
         )
         self.viscous_acceleration = wp.zeros(n, dtype=types.vec, device=device)
-        self.mirror_velocity = wp.zeros(max(w, 1), dtype=types.vec, device=device)
+        self.ghost_velocity = wp.zeros(max(w, 1), dtype=types.vec, device=device)
         self.velocity_change, self.shift = (wp.zeros(m, dtype=types.vec, device=device) for _ in range(2))
         self.replay = Replay(device=device, graphs=graphs)
         self._kernels = fluid_kernels(types)
@@ -138,13 +138,13 @@ class FluidStep:
             return
         constants, table, u = model.constants, lists.table, state.u
         inputs = [constants, table, model.no_slip, state.x, u, state.lost]
-        model.launch(self._kernels.ghost_velocity, model.walls, inputs, [self.mirror_velocity])
+        model.launch(self._kernels.ghost_velocity, model.walls, inputs, [self.ghost_velocity])
         if self.implicit_viscosity:
             pushed = self.body_forces.pushed_velocity(self.time_step.dt) if self.body_forces else u
-            now = [self.time_step.dt, state.x, pushed, state.lost, self.mirror_velocity]
+            now = [self.time_step.dt, state.x, pushed, state.lost, self.ghost_velocity]
             self.implicit_viscosity.solve(constants, [constants, table, model.no_slip, *now], u)
             u = self.implicit_viscosity.u
-        inputs = [constants, table, model.no_slip, state.x, u, state.lost, self.mirror_velocity]
+        inputs = [constants, table, model.no_slip, state.x, u, state.lost, self.ghost_velocity]
         model.launch(self._kernels.viscous_acceleration, len(state.x), inputs, [self.viscous_acceleration])
 
     def predict(self) -> None:
