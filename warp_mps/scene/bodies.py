@@ -54,7 +54,8 @@ class Body:
     angular_velocity: float | Vector | None = field(
         default=None, metadata=attribute("mps:angularVelocity", unit="rad/s", nature="axial")
     )
-    """Initial angular velocity about the centre of mass; in Python a number in 2-D and 3 numbers in 3-D."""
+    """Initial angular velocity about the centre of mass; a number in 2-D and 3 numbers in 3-D, in a stage
+    always a vector."""
     velocity_field: VelocityField | None = None
     """Initial velocity that varies along the body, added to the velocity."""
     node_axes: tuple[int, ...] = field(default=(), metadata=attribute("mps:nodeAxes", axes="shape"))
@@ -129,7 +130,8 @@ class Fluid:
     angular_velocity: float | Vector | None = field(
         default=None, metadata=attribute("mps:angularVelocity", unit="rad/s", nature="axial")
     )
-    """Initial angular velocity about the centre of mass; in Python a number in 2-D and 3 numbers in 3-D."""
+    """Initial angular velocity about the centre of mass; a number in 2-D and 3 numbers in 3-D, in a stage
+    always a vector."""
     velocity_field: VelocityField | None = None
     """Initial velocity that varies in space, added to the velocity."""
     node_axes: tuple[int, ...] = field(default=(), metadata=attribute("mps:nodeAxes", axes="shape"))

@@ -122,7 +122,7 @@ def _in_stage(row: StageAttribute, words: dict[str, str]) -> str:
     text = re.sub(r"`([\w.]+)`", lambda found: f"`{({**words, **near}).get(found[1], found[1])}`", row.meaning)
     if row.known.axes:
         whose = "the shape's own axes" if row.known.axes == "shape" else "axes of the stage"
-        text = f"{text} A word of {whose}, such as `xz`."
+        text = f"{text} Letters of {whose}, such as `xz`."
     return text
 
 
