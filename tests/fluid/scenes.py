@@ -19,6 +19,8 @@ KINDS = [(dimension, precision) for dimension in (2, 3) for precision in ("float
 SCHEMES = ("conservative", "corrected", "koshizuka_oka")
 L0 = 0.02
 LAYERS = {2: 4, 3: 3}
+# time step of a single step that tests take [s]
+DT = 1e-4
 
 
 def box(low: np.ndarray | list[float], high: np.ndarray | list[float]) -> Box:
@@ -179,3 +181,35 @@ def until(fluids: Fluids, end: float, interval: float, look: Callable[[float], N
         fluids.advance(k * interval)
         if look:
             look(k * interval)
+
+
+def predicted(fluids: Fluids, dt: float = DT) -> np.ndarray:
+    """Acceleration of the fluid in the predictor [m/s^2], shape [m, d]."""
+    w = wall_count(fluids)
+    before = fluids.state.u.numpy().astype(float)[w:]
+    fluids.step.time_step.dt.assign([dt])
+    fluids.step.apply_viscosity()
+    fluids.step.predict()
+    return (fluids.state.u.numpy().astype(float)[w:] - before) / dt
+
+
+def finished(fluids: Fluids, dt: float = DT) -> np.ndarray:
+    """Change of the fluid's velocities in the end of a step without pressure, by collisions, shape [m, d]."""
+    w = wall_count(fluids)
+    before = fluids.state.u.numpy().astype(float)[w:]
+    fluids.step.time_step.dt.assign([dt])
+    fluids.state.p.zero_()
+    fluids.step.correct()
+    fluids.step.collide()
+    fluids.step.advance_clock()
+    return fluids.state.u.numpy().astype(float)[w:] - before
+
+
+def put(fluids: Fluids, rows: dict[int, tuple[list[float], list[float]]]) -> None:
+    """Put particles of the fluid at positions, with velocities."""
+    x, u, w = fluids.state.x.numpy().copy(), fluids.state.u.numpy().copy(), wall_count(fluids)
+    for k, (position, velocity) in rows.items():
+        x[w + k], u[w + k] = position, velocity
+    fluids.state.x.assign(x)
+    fluids.state.u.assign(u)
+    fluids.step.renew_neighbours()

@@ -20,8 +20,8 @@ from tests.elastic.implicit.test_theta_rule import EDGE, TIP, rod
 from tests.fluid.scenes import L0, box, scene_of, tank, water
 from tests.scenes import beam, ends
 from warp_mps.app.cli import main
-from warp_mps.fluid import pressure_equation
 from warp_mps.fluid.failures import MOST_UNSOLVED
+from warp_mps.fluid.pressure import equation
 from warp_mps.results.history import read_history
 from warp_mps.run.simulation import Simulation
 from warp_mps.scene import Body, Elasticity, Flow, Material, Probe, Scene, Support, TableMotion
@@ -260,7 +260,7 @@ def test_a_fluid_whose_steps_collapse(
 def test_a_pressure_solve_without_iterations_left(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(pressure_equation, "MAX_ITERATIONS", 2)
+    monkeypatch.setattr(equation, "MAX_ITERATIONS", 2)
     line = failed(tank((8, 8), room=(12, 12), **FRAMES), tmp_path, capsys)
     assert f"the equation of the pressures was not solved in {MOST_UNSOLVED} steps in a row" in line
     assert re.search(rf"\(asked: 0\.0001\), and largest at {PLACE}", line)

@@ -8,7 +8,7 @@ import warp as wp
 from warp_mps.fluid.kernels import fluid_kernels
 from warp_mps.fluid.model import FluidModel
 from warp_mps.fluid.neighbours import NeighbourLists
-from warp_mps.fluid.pressure_equation import PressureEquation
+from warp_mps.fluid.pressure.equation import PressureEquation
 from warp_mps.fluid.schemes import CONSERVATIVE
 from warp_mps.fluid.state import FluidState
 

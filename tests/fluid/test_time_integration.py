@@ -1,0 +1,82 @@
+"""The end of a step: periodic boundaries, and particles that leave the domain."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+import pytest
+
+from tests.fluid.scenes import (
+    L0,
+    fluids_of,
+    periodic_box,
+    put,
+    scene_of,
+    tank,
+    tolerance,
+    wall_count,
+    water,
+)
+from warp_mps.scene import Flow, Liquid
+
+
+@pytest.mark.parametrize("precision", ["float64", "float32"])
+def test_particles_go_round_a_period(precision: str) -> None:
+    """A body of water that fills a periodic box flows through it unhindered."""
+    scene = periodic_box((14, 13))
+    fluids = fluids_of(scene, precision=precision)
+    start, size = fluids.readings.positions(), np.array([14, 13]) * L0
+    velocity = np.array([1.3, -0.7])
+    fluids.state.u.assign(np.broadcast_to(velocity, start.shape))
+    fluids.advance(0.5)
+    x = fluids.readings.positions()
+    assert (x >= 0.0).all()
+    assert (x <= size).all()
+    expected = np.mod(start + 0.5 * velocity, size)
+    gap = x - expected
+    gap -= size * np.round(gap / size)
+    np.testing.assert_allclose(gap, 0.0, atol=tolerance(precision, 1e-12, 1e-4) * size.max())
+    np.testing.assert_allclose(fluids.velocities(), np.broadcast_to(velocity, x.shape), rtol=tolerance(precision))
+    assert fluids.readings.lost() == 0
+
+
+def test_what_leaves_the_domain_is_lost_and_stays_where_it_left() -> None:
+    """The rest goes on as if it had never been there."""
+    flow = Flow(domain=([-0.5, -0.5], [0.5, 0.5]))
+    fluids = fluids_of(scene_of(water([0.0, 0.0], [8 * L0, 8 * L0], liquid=Liquid(viscosity=0.0)), flow=flow))
+    put(fluids, {0: ([0.49, 0.3], [3.0, 0.0]), 1: ([0.47, 0.3], [1.0, 0.0])})
+    fluids.advance(0.02)
+    assert fluids.readings.lost() == 1
+    first = fluids.readings.positions()[0]
+    assert first[0] > 0.5
+    assert not fluids.velocities()[0].any()
+    assert re.fullmatch(
+        r"1 of 64 fluid particles have left the domain, as particle 0 .*: there is a leak", fluids.trouble() or ""
+    )
+    fluids.advance(0.025)
+    np.testing.assert_array_equal(fluids.readings.positions()[0], first)
+    assert not fluids.velocities()[0].any()
+    # its neighbour went on alone
+    np.testing.assert_allclose(fluids.velocities()[1], [1.0, 0.0], atol=1e-12)
+    assert fluids.pressures()[0] == 0.0
+
+
+def test_the_pressure_of_the_rest_does_not_move_what_is_lost() -> None:
+    """Water whose uppermost row is thrown out of the domain, with the rows below it under pressure."""
+    fluids = fluids_of(tank((8, 12), flow=Flow(domain=([-0.5, -0.5], [0.5, 12.0 * L0]))))
+    upper = fluids.readings.positions()[:, 1] > 11.0 * L0
+    upper[: wall_count(fluids)] = False
+    u = fluids.velocities()
+    u[upper] = [0.0, 5.0]
+    fluids.state.u.assign(u)
+    fluids.advance(3e-3)
+    assert fluids.readings.lost() == upper.sum() == 8
+    first = fluids.readings.positions()
+    for k in range(4, 30):
+        fluids.advance(k * 1e-3)
+        np.testing.assert_array_equal(fluids.readings.positions()[upper], first[upper])
+        assert not fluids.velocities()[upper].any()
+    # as deep as what is left
+    pressure = fluids.pressures()[wall_count(fluids) :].max() / (1000.0 * 9.81 * L0)
+    assert 9.5 < pressure < 12.0
