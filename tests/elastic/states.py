@@ -23,7 +23,7 @@ from warp_mps.scene import Scene
 
 @dataclass(frozen=True)
 class Held:
-    """A model with its state, whose particles are put where the test wants them."""
+    """A model with its state, whose particles are placed by the test."""
 
     particles: Particles
     model: SpringModel
@@ -80,7 +80,7 @@ def rigid_displacement(particles: Particles, rotation: np.ndarray, shift: float 
 
 @dataclass(frozen=True)
 class Strained:
-    """A Hamiltonian model with its state, whose particles are put where the test wants them."""
+    """A Hamiltonian model with its state, whose particles are placed by the test."""
 
     particles: Particles
     model: HamiltonianModel

@@ -70,7 +70,7 @@ def test_reported_residual_is_the_true_one(tolerance: float) -> None:
 
 
 def test_an_operator_is_solved_as_its_matrix() -> None:
-    """To the same bits: its product is the only thing that is asked of it."""
+    """To the same bits: the solver uses its product alone."""
     system = laplacian((30, 30), scatter=0.2)
     matrix, kernels = on_device(system), solver_kernels(numeric_types(2))
     unknown = vector(system.active.astype(float))

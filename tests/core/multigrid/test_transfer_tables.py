@@ -1,4 +1,4 @@
-"""Tables of cells: who lies about whom, and weights that are linear, with and without a period."""
+"""Tables of cells: neighbours, and linear weights of interpolation, with and without a period."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Supports: who is held, who is moved, the work and the force that it takes."""
+"""Supports: held axes, moving supports, and their work and forces."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Contact: collisions with a formula, who touches whom, and the list of candidates."""
+"""Contact: collisions with a known solution, excluded pairs, and the candidate list."""
 
 from __future__ import annotations
 
@@ -107,7 +107,7 @@ def test_a_glancing_collision_keeps_all_that_must_be_kept(dimension: int) -> Non
 
 
 def test_a_restored_contact_is_there_at_once() -> None:
-    """The list of candidates is no part of a saved state, and is made anew with it."""
+    """The candidate list is not part of a saved state; it is rebuilt from it."""
     scene = two_particles(2, away=0.02)
     simulation = Simulation(scene)
     simulation.advance(5550)

@@ -1,4 +1,4 @@
-"""Friction: sliding and sticking on an incline, what it keeps and what it takes out."""
+"""Friction: sliding and sticking on an incline, what it conserves and what it dissipates."""
 
 from __future__ import annotations
 

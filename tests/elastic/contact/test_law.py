@@ -1,4 +1,4 @@
-"""The contact law: what a lattice makes of a plane, in numbers that do not come from the code that is tested."""
+"""The contact law: how flat a lattice acts, against sums that are independent of the tested code."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Walls that elastic bodies touch: weight, impulse, work, and that they cost nothing where there are none."""
+"""Contact of elastic bodies with walls: weight, impulse, work, and no cost without walls."""
 
 from __future__ import annotations
 

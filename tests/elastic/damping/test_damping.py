@@ -34,7 +34,7 @@ def viscous(scene: Scene, tau: float = TAU) -> Scene:
 
 
 class Damped:
-    """A model with viscosity, whose particles are put and moved where the test wants them."""
+    """A model with viscosity, whose particles are placed and moved by the test."""
 
     def __init__(self, scene: Scene, precision: str = "float64") -> None:
         self.held = strain(viscous(scene), precision)
