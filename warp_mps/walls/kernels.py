@@ -66,8 +66,14 @@ def wall_kernels(types: NumericTypes) -> SimpleNamespace:
         return u, v, a
 
     @types.kernel(METHOD)
-    def clock(steps: wp.array(dtype=wp.int32), dt: wp.float64, time_out: wp.array(dtype=wp.float64)):
-        """The time after a number of equal steps."""
+    def clock(
+        # Model:
+        steps: wp.array(dtype=wp.int32),
+        dt: wp.float64,
+        # State out:
+        time_out: wp.array(dtype=wp.float64),
+    ):
+        """Time t = n dt after n steps."""
         time_out[0] = wp.float64(steps[0]) * dt
 
     @types.kernel(METHOD)

@@ -1,4 +1,4 @@
-"""Kernels of Newton's method: residual and potential, trial steps, and what the host reads of them.
+"""Kernels of Newton's method: residual and potential, trial steps, and the sums that the host reads.
 
 The potential that is minimized over the displacements of the free axes is
 
@@ -44,7 +44,7 @@ def newton_kernels(types: NumericTypes) -> SimpleNamespace:
         scale_out: wp.array(dtype=vec64),
         potential_out: wp.array(dtype=wp.float64),
     ):
-        """Residual on free axes; what it is measured by: the applied forces there, on held axes the elastic ones."""
+        """Residual r of free axes, potential Pi, and scale of r: applied forces, on held axes the elastic ones."""
         i = wp.tid()
         f = vec64(force[i])
         load = vec64(applied[i])
@@ -70,7 +70,7 @@ def newton_kernels(types: NumericTypes) -> SimpleNamespace:
         # State out:
         change_out: wp.array(dtype=vec64),
     ):
-        """What brings held axes to their places, 0 on free ones."""
+        """Change of held axes to their target, u_target - u; 0 on free axes."""
         i = wp.tid()
         away = vec64(target[i] - u[i])
         for axis in range(wp.static(d)):
@@ -89,14 +89,19 @@ def newton_kernels(types: NumericTypes) -> SimpleNamespace:
         right_out: wp.array(dtype=vec64),
         change_out: wp.array(dtype=vec64),
     ):
-        """Right-hand side of the free axes' change, what held axes do taken into account, and the first guess 0."""
+        """Right-hand side r - A du_held of the change of the free axes, and its initial guess 0."""
         i = wp.tid()
         right_out[i] = residual[i] - wp.cw_mul(vec64(free[i]), pushed[i])
         change_out[i] = vec64()
 
     @types.kernel(METHOD)
-    def add_jump(jump: wp.array(dtype=vec64), change: wp.array(dtype=vec64)):
-        """The changes of held axes beside those of the free ones."""
+    def add_jump(
+        # State in:
+        jump: wp.array(dtype=vec64),
+        # State in and out:
+        change: wp.array(dtype=vec64),
+    ):
+        """Add the change of the held axes to that of the free ones."""
         i = wp.tid()
         change[i] = change[i] + jump[i]
 
@@ -109,13 +114,20 @@ def newton_kernels(types: NumericTypes) -> SimpleNamespace:
         # State out:
         u_out: wp.array(dtype=vec),
     ):
-        """A part of the change is made."""
+        """Trial displacements u = u_kept + step du of the line search."""
         i = wp.tid()
         u_out[i] = vec(vec64(u_kept[i]) + step[0] * change[i])
 
     @types.kernel(METHOD)
-    def store_sums(place: wp.int32, sums: wp.array(dtype=wp.vec2d), numbers_out: wp.array(dtype=wp.float64)):
-        """Two sums, where the host will read them."""
+    def store_sums(
+        # Model:
+        place: wp.int32,
+        # State in:
+        sums: wp.array(dtype=wp.vec2d),
+        # State out:
+        numbers_out: wp.array(dtype=wp.float64),
+    ):
+        """Store two sums where the host reads them."""
         numbers_out[place] = sums[0][0]
         numbers_out[place + 1] = sums[0][1]
 

@@ -1,4 +1,7 @@
-"""Kernels about a solve: the increments of a static load, and the theta rule of time integration."""
+"""Kernels of implicit steps: load increments of statics, and the theta rule of time integration.
+
+The equations are those of `warp_mps.elastic.implicit.static` and `warp_mps.elastic.implicit.theta_rule`.
+"""
 
 import functools
 from types import SimpleNamespace
@@ -25,7 +28,7 @@ def step_kernels(types: NumericTypes) -> SimpleNamespace:
         applied_out: wp.array(dtype=vec),
         target_out: wp.array(dtype=vec),
     ):
-        """A part of the loads, and of the supports' way."""
+        """Loads s f and target displacements s u_end of held axes at a load factor s."""
         i = wp.tid()
         part = real(factor[0])
         applied_out[i] = part * load[i]
@@ -41,7 +44,7 @@ def step_kernels(types: NumericTypes) -> SimpleNamespace:
         # State in and out:
         u: wp.array(dtype=vec),
     ):
-        """A part of the last increment once more, on free axes."""
+        """Initial guess u += part (u - u_earlier) on free axes: the last increment, continued."""
         i = wp.tid()
         u[i] = u[i] + real(part[0]) * wp.cw_mul(free[i], u[i] - u_earlier[i])
 
@@ -59,7 +62,7 @@ def step_kernels(types: NumericTypes) -> SimpleNamespace:
         # State in and out:
         work: wp.array(dtype=wp.float64),
     ):
-        """Work of an increment, by the mean of the forces at its ends: of loads, and of supports against the body."""
+        """Work of an increment, W += 1/2 (f^n + f^(n+1)) . du: of loads, and of supports against the elastic forces."""
         i = wp.tid()
         total = real64(0.0)
         for axis in range(wp.static(d)):
@@ -92,7 +95,7 @@ def step_kernels(types: NumericTypes) -> SimpleNamespace:
         pushed_out: wp.array(dtype=vec),
         applied_out: wp.array(dtype=vec),
     ):
-        """The equilibrium to find at t + theta dt: c, a, the supports' places and the forces from outside."""
+        """The equation at t + theta dt: c, a, the target of held axes, and the applied forces."""
         i = wp.tid()
         h = theta * dt[0]
         if i == 0:
@@ -116,7 +119,7 @@ def step_kernels(types: NumericTypes) -> SimpleNamespace:
         # State in and out:
         u: wp.array(dtype=vec),
     ):
-        """Where a velocity leads to until t + theta dt, on free axes."""
+        """Initial guess u = u_0 + theta dt v on free axes, with the mean velocity v of the last step."""
         i = wp.tid()
         u[i] = u[i] + wp.cw_mul(free[i], u_before[i] + real(theta * dt[0]) * velocity[i] - u[i])
 
@@ -129,7 +132,7 @@ def step_kernels(types: NumericTypes) -> SimpleNamespace:
         # State out:
         velocity_out: wp.array(dtype=vec),
     ):
-        """Mean velocity over a step."""
+        """Mean velocity (u_1 - u_0)/dt over a step."""
         i = wp.tid()
         velocity_out[i] = (u[i] - u_before[i]) / real(dt[0])
 
@@ -154,7 +157,7 @@ def step_kernels(types: NumericTypes) -> SimpleNamespace:
         work: wp.array(dtype=wp.float64),
         dissipated: wp.array(dtype=wp.float64),
     ):
-        """From t + theta dt to t + dt; the work from outside, and what damping and the rule take out of the motion.
+        """u_1 and v_1 from u_theta, the work of applied forces, and the energy loss of damping and of the theta rule.
 
         A support's work is the gain of kinetic energy of what it moves, less the work of the other forces there.
         """
@@ -200,7 +203,7 @@ def step_kernels(types: NumericTypes) -> SimpleNamespace:
         # State in and out:
         dissipated: wp.array(dtype=wp.float64),
     ):
-        """What the rule takes out of the deformation: (theta - 1/2) du K du, K that of the chord."""
+        """Energy that the theta rule dissipates in the deformation: (theta - 1/2) du . K du, K the secant stiffness."""
         i = wp.tid()
         fall = wp.dot(u[i] - u_before[i], force_before[i] - force[i])
         dissipated[i] = dissipated[i] + (theta - real64(0.5)) * real64(fall)
@@ -217,7 +220,7 @@ def step_kernels(types: NumericTypes) -> SimpleNamespace:
         elastic_out: wp.array(dtype=vec),
         force: wp.array(dtype=vec),
     ):
-        """The elastic forces are kept, and completed by those from outside."""
+        """Keep the elastic forces, and add loads, external forces and weight: f = f_el + f_load + f_ext + m g."""
         i = wp.tid()
         elastic_out[i] = force[i]
         force[i] = force[i] + load[i] + external[i] + mass[i] * gravity

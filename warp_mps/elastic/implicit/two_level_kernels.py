@@ -192,7 +192,15 @@ def two_level_kernels(types: NumericTypes) -> SimpleNamespace:
         motion_out[t] = (a + b) + (c + e)
 
     @types.kernel(METHOD)
-    def sum_shares(on: counts, shares: wp.int32, parts: numbers, motion_out: numbers):
+    def sum_shares(
+        # Model:
+        on: counts,
+        shares: wp.int32,
+        # State in:
+        parts: numbers,
+        # State out:
+        motion_out: numbers,
+    ):
         """Sum of the shares of a row."""
         row = wp.tid()
         if on[0] == 0:
