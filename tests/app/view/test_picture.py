@@ -245,7 +245,7 @@ def test_pace() -> None:
     assert pace(1, 30.0, None, 20.0, 30.0)[0].tolist() == [0]
 
 
-@pytest.mark.parametrize("suffix", ["webp", "gif"])
+@pytest.mark.parametrize("suffix", ["webp", pytest.param("gif", marks=pytest.mark.long)])
 def test_videos_without_an_encoder(suffix: str, plane: Path) -> None:
     out = plane / f"new/run.{suffix}"
     assert main(["video", str(plane), "--out", str(out), *SIZE, "--seconds", "0.3"]) == 0

@@ -66,7 +66,7 @@ def test_only_references_that_are_values_of_the_probe_are_drawn() -> None:
     assert np.array_equal(lines["y"][:, 1], history().probe("tip", 1))
 
 
-@pytest.mark.parametrize("suffix", ["png", "svg", "pdf"])
+@pytest.mark.parametrize("suffix", ["png", "svg", pytest.param("pdf", marks=pytest.mark.long)])
 def test_a_file_is_written_once(tmp_path: Path, capsys: pytest.CaptureFixture[str], suffix: str) -> None:
     write_history(tmp_path / "probes.csv", history())
     summary().write(tmp_path / "run.json")

@@ -102,6 +102,7 @@ def test_as_many_iterations_as_scipy() -> None:
     assert statistics.last_iterations == len(iterates)
 
 
+@pytest.mark.long
 def test_as_many_iterations_as_warp() -> None:
     system = laplacian((20, 10))
     inner = system.inner.tocoo()

@@ -43,7 +43,7 @@ def two_particles(
         (2, "float64"),
         pytest.param(3, "float64", marks=pytest.mark.long),
         pytest.param(2, "float32", marks=pytest.mark.long),
-        (3, "float32"),
+        pytest.param(3, "float32", marks=pytest.mark.long),
     ],
 )
 def test_two_particles_collide_head_on(dimension: int, precision: str) -> None:

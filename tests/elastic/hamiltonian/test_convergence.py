@@ -65,7 +65,8 @@ def orders(layers: tuple[int, ...], *, radius: float = 1.5, control: float = 0.5
     return found
 
 
-@pytest.mark.parametrize("control", [pytest.param(0.65, marks=pytest.mark.long), 0.7])
+@pytest.mark.long
+@pytest.mark.parametrize("control", [0.65, 0.7])
 def test_with_more_control_the_order_is_two_from_8_particles_on(control: float) -> None:
     """All four modes; and the errors are below 1 % at 8 particles and 0.3 % at 16 even so."""
     found = orders((8, 16, 32), control=control)

@@ -119,6 +119,7 @@ def test_sublayers_in_a_circle_are_refused_in_a_line(home: Path, names: tuple[st
     assert "cycle" in refusal(home / "main.usda").reason
 
 
+@pytest.mark.long
 def test_references_that_double_in_every_layer_are_given_up(home: Path) -> None:
     for number in range(30):
         arc = f"references = @./{number + 1}.usda@"
