@@ -154,6 +154,7 @@ def test_the_fluid_that_gives_way_to_a_hull_has_its_volume(kind: str, ratio: int
 
 
 @pytest.mark.parametrize("kind", ["vee", "disc"])
+@pytest.mark.long
 def test_a_hull_starts_afloat_without_a_jolt(kind: str) -> None:
     """Pressures of 20 steps stay within half of the hydrostatic one above it, and the hull within a fifth of free fall.
 
