@@ -23,7 +23,7 @@ from warp_mps.scene import Load, Scene, Support
 from warp_mps.scene.validation.fluids import remarks
 from warp_mps.usd.shipped_cases import shipped_cases
 
-WIDE = 200
+WIDE = 300
 ROOM_FOR_SOURCES = 130
 
 
