@@ -15,7 +15,8 @@ import warp.sparse
 from tests.core.linear.systems import System, laplacian, on_device
 from warp_mps.core.device import open_device
 from warp_mps.core.linear.conjugate_gradient import ChunkSums, ConjugateGradient, Matrix, Operator, declare_kernels
-from warp_mps.core.linear.kernels import CHUNK, solver_kernels
+from warp_mps.core.linear.kernels import solver_kernels
+from warp_mps.core.linear.sum_kernels import CHUNK, sum_kernels
 from warp_mps.core.types import numeric_types
 
 
@@ -313,5 +314,6 @@ def test_every_kernel_compiles_for_cuda(precision: str, tmp_path: Path) -> None:
     for module in declare_kernels(numbers):
         wp.compile_aot_module(module, arch=80, module_dir=tmp_path, use_ptx=True)
     code = "".join(file.read_text() for file in tmp_path.glob("*.ptx"))
-    missing = [name for name in vars(solver_kernels(numbers)) if f".entry solver_kernels__locals__{name}_" not in code]
+    declared = [(made.__name__, name) for made in (solver_kernels, sum_kernels) for name in vars(made(numbers))]
+    missing = [name for factory, name in declared if f".entry {factory}__locals__{name}_" not in code]
     assert missing == []

@@ -17,7 +17,8 @@ import numpy as np
 import warp as wp
 
 from warp_mps.core.linear import kernels as names
-from warp_mps.core.linear.kernels import CHUNK, METHOD, solver_kernels
+from warp_mps.core.linear.kernels import METHOD, solver_kernels
+from warp_mps.core.linear.sum_kernels import CHUNK, sum_kernels
 from warp_mps.core.types import NumericTypes
 
 MAX_RESTARTS = 4
@@ -271,7 +272,7 @@ class ChunkSums:
     """
 
     def __init__(self, n: int, *, types: NumericTypes, device: Any) -> None:
-        self._kernels, self._device = solver_kernels(types), device
+        self._kernels, self._device = sum_kernels(types), device
         # on a CPU a thread walks through consecutive elements, on a GPU consecutive threads read consecutive elements
         self._contiguous = not wp.get_device(device).is_cuda
         self._lengths = [n]
@@ -302,4 +303,5 @@ class ChunkSums:
 def declare_kernels(types: NumericTypes) -> list[str]:
     """Declare the solver's kernels, and return the names of their modules."""
     solver_kernels(types)
+    sum_kernels(types)
     return [types.module(METHOD)]

@@ -18,9 +18,6 @@ from warp_mps.core.types import NumericTypes
 
 METHOD = "solver"
 
-# Terms that one thread sums. A sum over n rows is made in about log(n)/log(CHUNK) launches.
-CHUNK = 128
-
 # Integers of the loop: whether this pass is a restart, whether p.A p or r.z was not positive, and two counters.
 RESTART, INDEFINITE, ITERATIONS, PASSES, CONTROLS = 0, 1, 2, 3, 4
 
@@ -113,51 +110,6 @@ def solver_kernels(types: NumericTypes) -> SimpleNamespace:
             q_out[i] = real64(diagonal[i]) * x[i] - off_diagonal(first[i], count[i], index, value, x)
         else:
             q_out[i] = real64(diagonal[i]) * p[i] - off_diagonal(first[i], count[i], index, value, p)
-
-    @types.kernel(METHOD)
-    def dot_products(
-        # Model:
-        across: wp.int32,
-        along: wp.int32,
-        # State in:
-        a: numbers,
-        b: numbers,
-        c: numbers,
-        # State out:
-        sums_out: pairs,
-    ):
-        """Partial sums of a.b and a.c: thread t adds up the elements `across` t + `along` k, k < CHUNK."""
-        t = wp.tid()
-        ab = zero
-        ac = zero
-        i = across * t
-        for _k in range(CHUNK):
-            if i < a.shape[0]:
-                ab += a[i] * b[i]
-                ac += a[i] * c[i]
-            i += along
-        sums_out[t] = wp.vec2d(ab, ac)
-
-    @types.kernel(METHOD)
-    def sum_chunks(
-        # Model:
-        across: wp.int32,
-        along: wp.int32,
-        n: wp.int32,
-        # State in:
-        values: pairs,
-        # State out:
-        sums_out: pairs,
-    ):
-        """Sums of the partial sums that a thread of the next level adds up."""
-        t = wp.tid()
-        total = wp.vec2d()
-        i = across * t
-        for _k in range(CHUNK):
-            if i < n:
-                total += values[i]
-            i += along
-        sums_out[t] = total
 
     @types.kernel(METHOD)
     def start_solve(
@@ -347,8 +299,6 @@ def solver_kernels(types: NumericTypes) -> SimpleNamespace:
     return SimpleNamespace(
         prepare=prepare,
         multiply=multiply,
-        dot_products=dot_products,
-        sum_chunks=sum_chunks,
         start_solve=start_solve,
         step_length=step_length,
         update_solution=update_solution,
