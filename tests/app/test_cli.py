@@ -247,7 +247,9 @@ def test_bench_of_fluids_prints_speeds_and_shares(
     assert 0.0 < float(values["residual"]) <= 1e-4
     assert float(values["iterations a solve"]) >= 1.0
     parts = dict(re.findall(r"([a-z ]+) (\d+) %", values["share of each part"]))
-    assert {"search", "assembly", "pressure solve", "forces", "collisions"} <= {name.strip() for name in parts}
+    assert {"neighbour lists", "assembly", "pressure solve", "corrector", "collisions"} <= {
+        name.strip() for name in parts
+    }
     assert sum(map(int, parts.values())) == pytest.approx(100, abs=4)
 
 
