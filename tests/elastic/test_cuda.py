@@ -8,10 +8,11 @@ import pytest
 import warp as wp
 
 from warp_mps.core.neighbours import neighbour_kernels
-from warp_mps.core.types import PRECISIONS, numeric_types
+from warp_mps.core.types import numeric_types
 from warp_mps.elastic.declare_kernels import KERNELS, declare_kernels
 from warp_mps.elastic.implicit.kernels import KERNELS as IMPLICIT
 from warp_mps.elastic.implicit.kernels import declare_implicit
+from warp_mps.scene.choices import PRECISIONS
 
 
 @pytest.mark.long

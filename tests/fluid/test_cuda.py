@@ -7,10 +7,11 @@ from pathlib import Path
 import pytest
 import warp as wp
 
-from warp_mps.core.types import PRECISIONS, numeric_types
+from warp_mps.core.types import numeric_types
 from warp_mps.fluid import METHOD
 from warp_mps.fluid.fluids import declare_kernels
 from warp_mps.fluid.kernels import FACTORIES, fluid_kernels
+from warp_mps.scene.choices import PRECISIONS
 
 
 @pytest.mark.long

@@ -23,9 +23,9 @@ from tests.fluid.scenes import SCHEMES
 from tests.fluid.test_fluids import splash
 from tests.run.test_guards import gate
 from tests.run.test_simulation import everything
-from warp_mps.core.types import PRECISIONS
 from warp_mps.run.simulation import Simulation
 from warp_mps.scene import Scene
+from warp_mps.scene.choices import PRECISIONS
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,8 @@ from pathlib import Path
 import pytest
 import warp as wp
 
-from warp_mps.core.types import PRECISIONS, numeric_types
+from warp_mps.core.types import numeric_types
+from warp_mps.scene.choices import PRECISIONS
 from warp_mps.walls.kernels import wall_kernels
 from warp_mps.walls.poses import declare_walls
 

@@ -19,13 +19,12 @@ from warp_mps.app import result_commands
 from warp_mps.app.arguments import parse
 from warp_mps.core.interrupts import first_interrupt_only
 from warp_mps.errors import InputError, RunError
+from warp_mps.scene.choices import ELASTIC_MODELS, PRECISIONS, ElasticModelName, PrecisionName
 
-MODELS: tuple[Literal["hamiltonian", "springs"], ...] = ("hamiltonian", "springs")
 SUBJECTS: tuple[Literal["elastic", "fluids", "coupling"], ...] = ("elastic", "fluids", "coupling")
-PRECISIONS: tuple[Literal["float64", "float32"], ...] = ("float64", "float32")
 Case = Annotated[str, arg(metavar="CASE", help="Path of a stage, or the name of a shipped case (see list).")]
 Device = Annotated[str, arg(metavar="DEVICE", help="cpu, or a CUDA device such as cuda:0.")]
-Precision = Annotated[Literal["float64", "float32"], arg(help="Number type: float64 to trust, float32 for GPU speed.")]
+Precision = Annotated[PrecisionName, arg(help="Number type: float64 to trust, float32 for GPU speed.")]
 Threads = Annotated[int, arg(metavar="T", help="CPU threads that share the particles; helps from some thousands on.")]
 Duration = Annotated[float | None, arg(metavar="S", help="Simulated time [s], instead of the stage's.")]
 Changes = UseAppendAction[
@@ -107,9 +106,9 @@ def bench(
     *,
     of: Annotated[tuple[Literal["elastic", "fluids", "coupling"], ...], arg(help="Benchmarks to run.")] = SUBJECTS,
     device: Device = "cpu",
-    models: Annotated[tuple[Literal["hamiltonian", "springs"], ...], arg(help="Elastic models.")] = MODELS,
+    models: Annotated[tuple[ElasticModelName, ...], arg(help="Elastic models.")] = ELASTIC_MODELS,
     dimensions: Annotated[tuple[Literal[2, 3], ...], arg(help="Dimensions.")] = (2, 3),
-    precisions: Annotated[tuple[Literal["float64", "float32"], ...], arg(help="Number types.")] = PRECISIONS,
+    precisions: Annotated[tuple[PrecisionName, ...], arg(help="Number types.")] = PRECISIONS,
     threads: Threads = 1,
 ) -> int:
     """Measure the speed of an elastic block, of a dam break, and of water on a plate, with shares. Takes minutes."""

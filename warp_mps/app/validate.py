@@ -11,12 +11,13 @@ from typing import Any
 from warp_mps.app.printing import print_measurements
 from warp_mps.errors import RunError
 from warp_mps.run.run import run_scene
+from warp_mps.scene.choices import PrecisionName
 from warp_mps.usd.case.read import read_stage
 from warp_mps.usd.shipped_cases import find_case, shipped_cases
 
 
 def validate_cases(
-    cases: Sequence[str], *, out: Path | None, device: str, precision: str, allow_external: bool = False
+    cases: Sequence[str], *, out: Path | None, device: str, precision: PrecisionName, allow_external: bool = False
 ) -> int:
     """Run cases and print a table of their measurements.
 
@@ -41,7 +42,7 @@ def validate_cases(
 
 
 def _run(
-    path: Path, folder: Path, device: str, precision: str, allow_external: bool
+    path: Path, folder: Path, device: str, precision: PrecisionName, allow_external: bool
 ) -> tuple[list[tuple[str, dict[str, Any]]], bool]:
     """The measurements of a case and of its energy, and whether it came to its end."""
     print(f"warp-mps: running {path.stem}", file=sys.stderr, flush=True)

@@ -9,7 +9,7 @@ from typing import Any
 
 import warp as wp
 
-PRECISIONS = ("float64", "float32")
+from warp_mps.scene.choices import PRECISIONS, PrecisionName
 
 
 @dataclass(frozen=True)
@@ -25,7 +25,7 @@ class NumericTypes:
     """
 
     dimension: int
-    precision: str
+    precision: PrecisionName
 
     @property
     def real(self) -> Any:
@@ -71,7 +71,7 @@ class NumericTypes:
 
 
 @functools.cache
-def numeric_types(dimension: int, precision: str = "float64") -> NumericTypes:
+def numeric_types(dimension: int, precision: PrecisionName = "float64") -> NumericTypes:
     """The types of a dimension and a precision.
 
     Raises:

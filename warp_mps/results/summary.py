@@ -7,7 +7,7 @@ import json
 import math
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal, get_args
 
 from warp_mps.errors import InputError
 from warp_mps.results.atomic_write import write_whole
@@ -18,8 +18,10 @@ from warp_mps.results.measures import evaluate
 
 if TYPE_CHECKING:
     from warp_mps.scene import Measurement, Scene
+    from warp_mps.scene.choices import PrecisionName
 
-STATUSES = ("running", "done", "failed")
+RunStatus = Literal["running", "done", "failed"]
+STATUSES: tuple[RunStatus, ...] = get_args(RunStatus)
 
 
 @dataclass(kw_only=True)
@@ -56,10 +58,10 @@ class RunSummary:
     """
 
     case: str
-    status: str = "running"
+    status: RunStatus = "running"
     reason: str = ""
     device: str = "cpu"
-    precision: str = "float64"
+    precision: PrecisionName = "float64"
     versions: dict[str, str] = field(default_factory=dict)
     dimension: int = 2
     particles: dict[str, int] = field(default_factory=dict)

@@ -11,9 +11,10 @@ import numpy as np
 from warp_mps import __version__
 from warp_mps.run.simulation import Simulation
 from warp_mps.scene import Scene
+from warp_mps.scene.choices import PrecisionName
 
 
-def fingerprint(scene: Scene, precision: str) -> str:
+def fingerprint(scene: Scene, precision: PrecisionName) -> str:
     """A hash of everything that decides a run's numbers; how long it runs is not among it."""
     with np.printoptions(threshold=10**9, precision=17):
         text = repr((replace(scene, duration=1.0, measurements=(), description="", path="scene"), precision))

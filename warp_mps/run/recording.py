@@ -22,7 +22,7 @@ from warp_mps.observers.momentum import MomentumMonitor
 from warp_mps.observers.probes import ProbeRecorder
 from warp_mps.observers.progress import Progress
 from warp_mps.results.settings import scene_settings
-from warp_mps.results.summary import RunSummary, energy_record, measurement_rows
+from warp_mps.results.summary import RunStatus, RunSummary, energy_record, measurement_rows
 from warp_mps.run.folder import ANIMATION, PROBES, SUMMARY, remove_results
 from warp_mps.run.provenance import fingerprint, provenance, versions
 from warp_mps.run.schedule import Trigger
@@ -148,7 +148,7 @@ class Recording:
         with contextlib.suppress(OSError):
             self._finish("failed", reason, begin)
 
-    def _finish(self, status: str, reason: str, begin: float) -> None:
+    def _finish(self, status: RunStatus, reason: str, begin: float) -> None:
         simulation, history = self._simulation, self._probes.history
         wall = time.perf_counter() - begin
         particles, steps = simulation.particles, simulation.steps_done - self._first_step

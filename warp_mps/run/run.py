@@ -18,6 +18,7 @@ from warp_mps.run.provenance import fingerprint
 from warp_mps.run.recording import Recording
 from warp_mps.run.simulation import Simulation
 from warp_mps.scene import Scene
+from warp_mps.scene.choices import PrecisionName
 from warp_mps.scene.validation.fluids import remarks
 
 
@@ -26,7 +27,7 @@ def run_scene(
     folder: str | Path,
     *,
     device: str = "cpu",
-    precision: str = "float64",
+    precision: PrecisionName = "float64",
     threads: int = 1,
     overwrite: bool = False,
     resume: bool = False,

@@ -19,6 +19,7 @@ from warp_mps.run.steps import PacedSteps, ReplayedSteps, Steps, ThreadedSteps
 from warp_mps.run.system import PacedSystem, System
 from warp_mps.run.system_factory import make_system
 from warp_mps.scene import Scene
+from warp_mps.scene.choices import PRECISIONS, PrecisionName
 
 if TYPE_CHECKING:
     import warp as wp
@@ -60,14 +61,14 @@ class Simulation(Readings):
         scene: Scene,
         *,
         device: str = "cpu",
-        precision: str = "float64",
+        precision: PrecisionName = "float64",
         graphs: bool = True,
         threads: int = 1,
         announce: Callable[[str], None] | None = None,
     ) -> None:
         # Warp is imported with the first simulation, not with the package
         from warp_mps.core.device import open_device
-        from warp_mps.core.types import PRECISIONS, numeric_types
+        from warp_mps.core.types import numeric_types
 
         if threads < 1:
             raise InputError("", "threads", f"is {threads}, must be 1 or more")

@@ -106,7 +106,7 @@ class Scene:
     @property
     def frame(self) -> StageFrame:
         """How the scene lies in its stage."""
-        return self.stage or StageFrame(axes="xyz"[: self.dimension])
+        return self.stage or StageFrame(axes="xy" if self.dimension == 2 else "xyz")
 
     @property
     def filled(self) -> tuple[Body | Wall | Fluid, ...]:

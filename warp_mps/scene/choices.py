@@ -1,9 +1,13 @@
-"""The closed sets of words that a scene may use, and the units of what is recorded."""
+"""The closed sets of words of a scene and of a run, and the units of recorded quantities."""
 
 from __future__ import annotations
 
 from typing import Literal, get_args
 
+PrecisionName = Literal["float64", "float32"]
+PlaneName = Literal["xy", "xz", "yz"]
+StageAxesName = Literal["xyz", "xy", "xz", "yz"]
+UpAxisName = Literal["Y", "Z"]
 AnalysisName = Literal["dynamic", "static"]
 IntegratorName = Literal["auto", "explicit", "implicit"]
 ElasticModelName = Literal["hamiltonian", "springs"]
@@ -62,6 +66,9 @@ MeasureName = Literal[
     "time_at",
 ]
 
+PRECISIONS: tuple[PrecisionName, ...] = get_args(PrecisionName)
+PLANES: tuple[PlaneName, ...] = get_args(PlaneName)
+UP_AXES: tuple[UpAxisName, ...] = get_args(UpAxisName)
 ANALYSES: tuple[AnalysisName, ...] = get_args(AnalysisName)
 INTEGRATORS: tuple[IntegratorName, ...] = get_args(IntegratorName)
 ELASTIC_MODELS: tuple[ElasticModelName, ...] = get_args(ElasticModelName)

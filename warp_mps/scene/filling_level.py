@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Literal
 
 import numpy as np
 
@@ -23,7 +24,7 @@ def fill_to(
     spacing: float | None = None,
     liquid: Liquid = Liquid(),
     name: str = "water",
-    up: str = "y",
+    up: Literal["y", "z"] = "y",
 ) -> Fluid:
     """A fluid at rest that fills a tank of walls, or a region, up to a level.
 

@@ -10,6 +10,8 @@ from warp_mps.scene.choices import (
     FluidSchemeName,
     NegativePressureName,
     NormalizationName,
+    StageAxesName,
+    UpAxisName,
 )
 from warp_mps.scene.fields import attribute, described
 from warp_mps.scene.motions import Vector
@@ -83,9 +85,9 @@ class Flow:
 class StageFrame:
     """How the scene lies in the stage that it was read from, and in which results are written."""
 
-    axes: str = "xy"
+    axes: StageAxesName = "xy"
     """The stage's axes along which the scene's axes lie: ``xyz`` in 3-D, and ``xy``, ``xz`` or ``yz`` in 2-D."""
-    up_axis: str = "Y"
+    up_axis: UpAxisName = "Y"
     """Up axis of the stage, ``Y`` or ``Z``."""
     meters_per_unit: float = field(default=1.0, metadata=attribute(unit="m", above=0.0))
     """Length of the stage's unit."""

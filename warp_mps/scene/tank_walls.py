@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Literal
 
 import numpy as np
 
 from warp_mps.errors import InputError
 from warp_mps.scene.bodies import Wall
+from warp_mps.scene.choices import WallSlipName
 from warp_mps.scene.motions import HarmonicMotion, HarmonicRotation, TableMotion, TableRotation
 from warp_mps.shapes import Box
 from warp_mps.shapes.numbers import as_array, is_number
 
+SideName = Literal["left", "right", "bottom", "top", "front", "back"]
 # the sides at the low and the high end of the axes x, y, z, by the axis that points up, seen with x to the right
-SIDES = {
+SIDES: dict[str, tuple[tuple[SideName, SideName], ...]] = {
     "y": (("left", "right"), ("bottom", "top"), ("back", "front")),
     "z": (("left", "right"), ("front", "back"), ("bottom", "top")),
 }
@@ -25,13 +28,13 @@ def tank(
     spacing: float,
     *,
     layers: int = 3,
-    open: Sequence[str] = ("top",),
-    up: str = "y",
+    open: Sequence[SideName] = ("top",),
+    up: Literal["y", "z"] = "y",
     name: str = "",
     motion: HarmonicMotion | TableMotion | None = None,
     rotation: HarmonicRotation | TableRotation | None = None,
     friction: float | None = None,
-    slip: str = "free",
+    slip: WallSlipName = "free",
 ) -> tuple[Wall, ...]:
     """The walls of a rectangular tank, whose inner faces lie exactly at its corners.
 
@@ -72,11 +75,9 @@ def tank(
             raise InputError(where, "open", f"names no side: {side!r}; there are {', '.join(known)}")
     if set(known) <= set(open):
         raise InputError(where, "open", "leaves no wall")
-    fields = {"spacing": spacing, "motion": motion, "rotation": rotation, "friction": friction, "slip": slip}
     walls = []
-    outer = np.array(
-        [lower, upper]
-    )  # extent of the next walls: the inner box and the walls around it that are still to come
+    # extent of the next walls: the inner box and the walls around it that are still to come
+    outer = np.array([lower, upper])
     thickness = layers * spacing
     for axis in range(dimension):
         for end, sign in ((0, -1.0), (1, 1.0)):
@@ -88,7 +89,16 @@ def tank(
                 continue
             corners = outer.copy()
             corners[1 - end, axis] = (lower, upper)[end][axis]
-            walls.append(Wall(name=f"{name}{side}", shape=Box.from_corners(*corners.tolist()), **fields))  # type: ignore[arg-type]
+            wall = Wall(
+                name=f"{name}{side}",
+                shape=Box.from_corners(*corners.tolist()),
+                spacing=spacing,
+                motion=motion,
+                rotation=rotation,
+                friction=friction,
+                slip=slip,
+            )
+            walls.append(wall)
         outer[:, axis] = lower[axis], upper[axis]
     return tuple(walls)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal, get_args
 
 import numpy as np
 
@@ -14,6 +14,9 @@ from warp_mps.shapes.shape import Shape
 
 if TYPE_CHECKING:
     from typing_extensions import Self
+
+AxisName = Literal["x", "y", "z"]
+AXIS_NAMES: tuple[AxisName, ...] = get_args(AxisName)
 
 
 class _Implicit(Shape):
@@ -142,7 +145,7 @@ class Cylinder(_Implicit):
 
     radius: float
     height: float = np.inf
-    axis: str = "z"
+    axis: AxisName = "z"
     center: Sequence[float] = (0.0, 0.0, 0.0)
     inner_radius: float = 0.0
 
@@ -151,19 +154,19 @@ class Cylinder(_Implicit):
         self._set("center", as_vector(self.center, self._kind, "center"))
         self._positive("radius", self.radius)
         self._positive("height", self.height)
-        if self.axis not in ("x", "y", "z"):
+        if self.axis not in AXIS_NAMES:
             raise InputError(self._kind, "axis", f"must be x, y or z, not {self.axis!r}")
         if not (is_number(self.inner_radius) and 0 <= self.inner_radius < self.radius):
             raise InputError(self._kind, "inner_radius", f"must be at least 0 and less than the radius {self.radius}")
 
     def _half_extent(self, direction: np.ndarray) -> float:
-        along = direction["xyz".index(self.axis)]
+        along = direction[AXIS_NAMES.index(self.axis)]
         across = np.sqrt(max(0.0, direction @ direction - along**2))
         ends = 0.5 * self.height * abs(along) if abs(along) > 1e-12 else 0.0
         return float(self.radius * across + ends)
 
     def _faces(self, local: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
-        along = "xyz".index(self.axis)
+        along = AXIS_NAMES.index(self.axis)
         across = np.where(np.arange(3) == along, 0.0, local)
         distance = np.linalg.norm(across, axis=1)
         outward = _directions(across, distance)

@@ -14,13 +14,14 @@ from tests.elastic.hamiltonian.test_kernels import rotation
 from tests.elastic.states import Strained, strain
 from tests.scenes import HAMILTONIAN, block, random, scene_of
 from warp_mps.core.linear.conjugate_gradient import ConjugateGradient, Statistics
-from warp_mps.core.types import PRECISIONS, numeric_types
+from warp_mps.core.types import numeric_types
 from warp_mps.elastic.implicit.coarse_matrix import positive_inverse
 from warp_mps.elastic.implicit.solid import ImplicitSolid
 from warp_mps.elastic.implicit.tangent_operator import Tangent
 from warp_mps.elastic.implicit.two_level import TwoLevelPreconditioner
 from warp_mps.run.simulation import Simulation
 from warp_mps.scene import Load, Scene, Support
+from warp_mps.scene.choices import PRECISIONS
 from warp_mps.shapes import Box
 
 

@@ -17,7 +17,7 @@ from warp_mps.app.printing import console
 from warp_mps.coupling.hydroelastic import Hydroelastic
 from warp_mps.run.simulation import Simulation
 from warp_mps.scene import Body, Contact, Flow, Fluid, Material, Scene, Support, Wall
-from warp_mps.scene.choices import IntegratorName
+from warp_mps.scene.choices import IntegratorName, PrecisionName
 
 # default numbers of fluid particles by dimension
 SIZES: dict[int, tuple[int, ...]] = {2: (1_000, 10_000), 3: (10_000,)}
@@ -37,7 +37,9 @@ PARTS = {
 COLUMNS = ("space", "fluid", "bodies", "steps of bodies", "precision", "ms a step", "passes", "iterations a solve")
 
 
-def bench_coupling(sizes: Sequence[int], *, dimensions: Sequence[int], precisions: Sequence[str], device: str) -> int:
+def bench_coupling(
+    sizes: Sequence[int], *, dimensions: Sequence[int], precisions: Sequence[PrecisionName], device: str
+) -> int:
     """Measure a column of each size, dimension and precision, on a plate that takes either kind of steps.
 
     Args:
@@ -94,7 +96,7 @@ def column(dimension: int, size: int, way: IntegratorName) -> Scene:
     )  # fmt: skip
 
 
-def _measure(scene: Scene, precision: str, device: str) -> list[str]:
+def _measure(scene: Scene, precision: PrecisionName, device: str) -> list[str]:
     simulation = Simulation(scene, device=device, precision=precision)
     system, p = simulation.system, simulation.particles
     assert isinstance(system, Hydroelastic)

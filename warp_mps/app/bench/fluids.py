@@ -15,6 +15,7 @@ from warp_mps.app.printing import console
 from warp_mps.core.linear.conjugate_gradient import Statistics
 from warp_mps.run.simulation import Simulation
 from warp_mps.scene import Flow, Fluid, Scene, Wall
+from warp_mps.scene.choices import PrecisionName
 from warp_mps.shapes import Box
 
 # default numbers of particles by dimension
@@ -42,7 +43,9 @@ COLUMNS = (
 )
 
 
-def bench_fluids(sizes: Sequence[int], *, dimensions: Sequence[int], precisions: Sequence[str], device: str) -> int:
+def bench_fluids(
+    sizes: Sequence[int], *, dimensions: Sequence[int], precisions: Sequence[PrecisionName], device: str
+) -> int:
     """Measure a dam break of each size, dimension and precision and print a table.
 
     Args:
@@ -103,7 +106,7 @@ def _wall(name: str, low: Sequence[float], high: Sequence[float]) -> Wall:
     return Wall(name=name, shape=box(low, high), spacing=1.0)
 
 
-def _measure(scene: Scene, precision: str, device: str) -> list[str]:
+def _measure(scene: Scene, precision: PrecisionName, device: str) -> list[str]:
     simulation = Simulation(scene, device=device, precision=precision)
     fluids, liquid = simulation.fluids, simulation.particles.liquid
     fluids.advance(WARM_STEPS * fluids.model.step_limit)

@@ -16,7 +16,7 @@ from warp_mps.particles.filling import count_particles
 from warp_mps.run.cost import available_memory, memory_of
 from warp_mps.run.simulation import Simulation
 from warp_mps.scene import Body, Elasticity, Material, Scene
-from warp_mps.scene.choices import ElasticModelName
+from warp_mps.scene.choices import ElasticModelName, PrecisionName
 from warp_mps.shapes import Box
 
 # default numbers of particles
@@ -31,7 +31,7 @@ def bench_solid(
     *,
     models: Sequence[ElasticModelName],
     dimensions: Sequence[int],
-    precisions: Sequence[str],
+    precisions: Sequence[PrecisionName],
     device: str,
     threads: int = 1,
 ) -> int:
@@ -92,7 +92,7 @@ def block(model: ElasticModelName, dimension: int, size: int) -> Scene:
     return Scene(name="bench", bodies=(body,), dimension=dimension, duration=1.0, elasticity=elasticity)
 
 
-def _measure(scene: Scene, precision: str, device: str, threads: int) -> list[str]:
+def _measure(scene: Scene, precision: PrecisionName, device: str, threads: int) -> list[str]:
     simulation = Simulation(scene, device=device, precision=precision, threads=threads)
     seconds = _seconds_a_step(simulation)
     count = simulation.particles.count

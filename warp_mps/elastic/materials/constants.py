@@ -5,9 +5,10 @@ from __future__ import annotations
 import math
 
 from warp_mps.scene import Material
+from warp_mps.scene.choices import PlaneModelName
 
 
-def lame_constants(material: Material, dimension: int, plane: str) -> tuple[float, float]:
+def lame_constants(material: Material, dimension: int, plane: PlaneModelName) -> tuple[float, float]:
     """Lame's constants lambda and mu [Pa].
 
     2 mu = E / (1 + nu) (eq. 2); lambda = nu E / (1 - nu^2) in plane stress (eq. 3), and
@@ -26,12 +27,12 @@ def lame_constants(material: Material, dimension: int, plane: str) -> tuple[floa
     return lame, 0.5 * youngs / (1.0 + nu)
 
 
-def law_constants(material: Material, dimension: int, plane: str) -> tuple[float, float]:
+def law_constants(material: Material, dimension: int, plane: PlaneModelName) -> tuple[float, float]:
     """Lame's constants as the material's law takes them [Pa]: a neo-Hookean one finds plane stress by itself."""
     return lame_constants(material, dimension, "strain" if material.law == "neo_hookean" else plane)
 
 
-def pressure_wave_speed(material: Material, dimension: int, plane: str) -> float:
+def pressure_wave_speed(material: Material, dimension: int, plane: PlaneModelName) -> float:
     """Speed of pressure waves c_p = sqrt((lambda + 2 mu) / rho) [m/s]."""
     lame, mu = lame_constants(material, dimension, plane)
     return math.sqrt((lame + 2.0 * mu) / material.density)

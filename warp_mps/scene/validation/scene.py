@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from warp_mps.scene.choices import PLANES
 from warp_mps.scene.motions import HarmonicMotion, HarmonicRotation, TableMotion, TableRotation
 from warp_mps.scene.spline import table_values
 from warp_mps.scene.validation.body_forces import check_body_forces
@@ -76,7 +77,7 @@ def _scene_fields(scene: Scene) -> None:
 
 def _frame(scene: Scene) -> None:
     frame = scene.frame
-    choice(frame.axes, ("xyz",) if scene.dimension == 3 else ("xy", "xz", "yz"), scene.path, "stage.axes")
+    choice(frame.axes, ("xyz",) if scene.dimension == 3 else PLANES, scene.path, "stage.axes")
     choice(frame.up_axis, ("Y", "Z"), scene.path, "stage.up_axis")
 
 

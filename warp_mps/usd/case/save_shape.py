@@ -13,6 +13,7 @@ from pxr import Gf, Sdf, Usd, UsdGeom, Vt
 
 from warp_mps.errors import InputError
 from warp_mps.shapes import Box, Cylinder, Mesh, Points, Shape, Sphere
+from warp_mps.shapes.primitives import AXIS_NAMES
 from warp_mps.usd.case.composites import BORE, operations
 from warp_mps.usd.case.frame import Frame
 
@@ -83,7 +84,7 @@ def in_stage(shape: Any, frame: Frame) -> Shape:
     if isinstance(shape, Box):
         return Box(tuple((np.abs(turn) @ np.asarray(shape.size)).tolist()), center)
     if isinstance(shape, Cylinder):
-        return replace(shape, center=center, axis="xyz"[_turned(turn, "xyz".index(shape.axis))])
+        return replace(shape, center=center, axis=AXIS_NAMES[_turned(turn, AXIS_NAMES.index(shape.axis))])
     return replace(shape, center=center)
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 from typing import Any
 
+from warp_mps.scene.choices import PLANES
 from warp_mps.scene.fields import UNITS, Attribute, Unit
 
 
@@ -95,7 +96,7 @@ STAGE_ONLY: dict[str, tuple[StageAttribute, ...]] = {
         _stage_only(
             *("mps:plane", "token", "stage.axes"),
             "Plane of a 2-D scene: `xy` where y is up, `xz` where z is up, if not given.",
-            allowed=("xy", "xz", "yz"),
+            allowed=PLANES,
         ),
         # UsdPhysics gives gravity as a direction and a magnitude
         _stage_only(

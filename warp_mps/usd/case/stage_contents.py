@@ -7,6 +7,7 @@ from pxr import Usd, UsdGeom, UsdPhysics
 
 from warp_mps.errors import InputError
 from warp_mps.scene import StageFrame
+from warp_mps.scene.choices import UP_AXES, PlaneName, StageAxesName
 from warp_mps.usd.case.attributes import ROLE, ROLES, TABLE
 from warp_mps.usd.case.frame import Frame
 from warp_mps.usd.case.geometry import world_matrix
@@ -56,12 +57,13 @@ def unique_names(prims: list[Usd.Prim]) -> dict[str, str]:
 
 def frame(stage: Usd.Stage, physics: Usd.Prim) -> Frame:
     """Units and axes, and in 2-D the plane: by default the one that the up axis lies in."""
-    up_axis = str(UsdGeom.GetStageUpAxis(stage))
-    if up_axis not in ("Y", "Z"):
-        raise InputError("/", "upAxis", f"is {up_axis!r}, must be Y or Z")
+    given = str(UsdGeom.GetStageUpAxis(stage))
+    up_axis = next((axis for axis in UP_AXES if axis == given), None)
+    if up_axis is None:
+        raise InputError("/", "upAxis", f"is {given!r}, must be Y or Z")
     first = Values(physics, "scene", Frame(StageFrame(axes="xyz"), 3))
     dimension = int(first.get("mps:dimension") or TABLE["scene"]["mps:dimension"].default)
-    plane = first.get("mps:plane") or ("xy" if up_axis == "Y" else "xz")
+    plane: PlaneName = first.get("mps:plane") or ("xy" if up_axis == "Y" else "xz")
     units = {"metersPerUnit": UsdGeom.GetStageMetersPerUnit(stage)}
     units["kilogramsPerUnit"] = UsdPhysics.GetStageKilogramsPerUnit(stage)
     for name, value in units.items():
@@ -70,7 +72,7 @@ def frame(stage: Usd.Stage, physics: Usd.Prim) -> Frame:
         if not 1.0 / LARGEST_UNIT <= value <= LARGEST_UNIT:
             reason = f"is {value:g}, must be between {1.0 / LARGEST_UNIT:g} and {LARGEST_UNIT:g}"
             raise InputError("/", name, reason)
-    axes = plane if dimension == 2 else "xyz"
+    axes: StageAxesName = plane if dimension == 2 else "xyz"
     length, mass = units.values()
     return Frame(StageFrame(axes=axes, up_axis=up_axis, meters_per_unit=length, kilograms_per_unit=mass), dimension)
 
