@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-# of a place, an attribute or a reason: what is longer is a value that nobody wants to read
+# longest text of a place, an attribute or a reason; a longer one is cut in its middle
 LONGEST = 400
 
 
 class InputError(ValueError):
-    """What was asked for cannot be run (exit code 2). Its text is one line, in which what is far too long is cut.
+    """The input cannot be run (exit code 2). The text is one line of limited length.
 
     Args:
-        where: What the input belongs to: a prim path, or a Python object such as ``body 'beam'``.
+        where: Owner of the input: a prim path, or a Python object such as ``body 'beam'``.
         attribute: The attribute or field that is wrong; empty when the whole object is.
-        reason: What is wrong with it and what is allowed.
+        reason: The value, the constraint and the remedy.
     """
 
     def __init__(self, where: str, attribute: str, reason: str) -> None:
@@ -31,4 +31,4 @@ def _line(text: str) -> str:
 
 
 class RunError(RuntimeError):
-    """A run that had begun had to be stopped (exit code 3); what was computed before is kept."""
+    """A run has failed after its start (exit code 3); the results so far are kept."""
