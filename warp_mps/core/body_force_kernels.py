@@ -30,11 +30,11 @@ def body_force_kernel(function: Any, identity: str, types: NumericTypes) -> Any:
     @wp.kernel(module=module, enable_backward=False)
     def add_body_force(
         # State in:
-        x: wp.array(dtype=vec),
-        time: wp.array(dtype=wp.float64),
-        acts: wp.array(dtype=real),
+        x: wp.array(dtype=vec),  # positions [m], [n]
+        time: wp.array(dtype=wp.float64),  # time [s], [1]
+        acts: wp.array(dtype=real),  # 1 for the particles that it acts on, else 0, [n]
         # State in and out:
-        acceleration: wp.array(dtype=vec),
+        acceleration: wp.array(dtype=vec),  # forces per mass [m/s^2], [n]
     ):
         """Add the acceleration of a body force at the particles that it acts on [m/s^2]."""
         i = wp.tid()

@@ -25,13 +25,13 @@ def neighbour_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def count(
         # Model:
-        grid: wp.uint64,
-        points: wp.array(dtype=vec3),
-        groups: wp.array(dtype=wp.int32),
-        reach: wp.array(dtype=real),
-        cell: real,
+        grid: wp.uint64,  # hash grid of the particles
+        points: wp.array(dtype=vec3),  # positions [m], [n]
+        groups: wp.array(dtype=wp.int32),  # groups of bonded bodies, [n]
+        reach: wp.array(dtype=real),  # effective radii r_e [m], [n]
+        cell: real,  # largest effective radius [m]
         # State out:
-        counts_out: wp.array(dtype=wp.int32),
+        counts_out: wp.array(dtype=wp.int32),  # number of neighbours, [n]
     ):
         """Number of neighbours: particles of the same group with |x_ij| < (r_e,i + r_e,j) / 2."""
         i = wp.tid()
@@ -45,14 +45,14 @@ def neighbour_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def fill(
         # Model:
-        grid: wp.uint64,
-        points: wp.array(dtype=vec3),
-        groups: wp.array(dtype=wp.int32),
-        reach: wp.array(dtype=real),
-        cell: real,
-        start: wp.array(dtype=wp.int32),
+        grid: wp.uint64,  # hash grid of the particles
+        points: wp.array(dtype=vec3),  # positions [m], [n]
+        groups: wp.array(dtype=wp.int32),  # groups of bonded bodies, [n]
+        reach: wp.array(dtype=real),  # effective radii r_e [m], [n]
+        cell: real,  # largest effective radius [m]
+        start: wp.array(dtype=wp.int32),  # first entry of each row, [n + 1]
         # State out:
-        index_out: wp.array(dtype=wp.int32),
+        index_out: wp.array(dtype=wp.int32),  # neighbours, row by row, [pairs]
     ):
         """Row of the list: the neighbours of a particle, sorted."""
         i = wp.tid()

@@ -21,16 +21,16 @@ def interface_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def transfer_motion(
         # Model:
-        first: wp.array(dtype=wp.int32),
-        members: wp.array(dtype=wp.int32),
-        reference: wp.array(dtype=vec64),
-        ahead: wp.array(dtype=wp.float64),
+        first: wp.array(dtype=wp.int32),  # first member of each marker, [e + 1]
+        members: wp.array(dtype=wp.int32),  # particles of the markers, [members]
+        reference: wp.array(dtype=vec64),  # reference positions of the particles [m], [n]
+        ahead: wp.array(dtype=wp.float64),  # time h ahead [s], [1]
         # State in:
-        displacement: wp.array(dtype=vec),
-        velocity: wp.array(dtype=vec),
+        displacement: wp.array(dtype=vec),  # displacements of the particles [m], [n]
+        velocity: wp.array(dtype=vec),  # velocities of the particles [m/s], [n]
         # State out:
-        x_out: wp.array(dtype=vec),
-        u_out: wp.array(dtype=vec),
+        x_out: wp.array(dtype=vec),  # positions of the markers [m], [e]
+        u_out: wp.array(dtype=vec),  # velocities of the markers [m/s], [e]
     ):
         """Positions x_j = sum_i (X_i + u_i + h v_i) / N_j and velocities sum_i v_i / N_j of the markers, h `ahead`."""
         j = wp.tid()
@@ -47,14 +47,14 @@ def interface_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def accelerate(
         # Model:
-        first: wp.array(dtype=wp.int32),
-        members: wp.array(dtype=wp.int32),
+        first: wp.array(dtype=wp.int32),  # first member of each marker, [e + 1]
+        members: wp.array(dtype=wp.int32),  # particles of the markers, [members]
         # State in:
-        dt: wp.array(dtype=wp.float64),
-        before: wp.array(dtype=vec),
-        velocity: wp.array(dtype=vec),
+        dt: wp.array(dtype=wp.float64),  # time step [s], [1]
+        before: wp.array(dtype=vec),  # velocities at the start of the step [m/s], [n]
+        velocity: wp.array(dtype=vec),  # velocities of the particles [m/s], [n]
         # Out:
-        a_out: wp.array(dtype=vec),
+        a_out: wp.array(dtype=vec),  # accelerations of the markers [m/s^2], [e]
     ):
         """Mean accelerations a_j = sum_i (v_i - v_i before) / (N_j dt) of the markers over a step."""
         j = wp.tid()
@@ -67,12 +67,12 @@ def interface_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def transfer_forces(
         # Model:
-        first: wp.array(dtype=wp.int32),
-        members: wp.array(dtype=wp.int32),
+        first: wp.array(dtype=wp.int32),  # first member of each marker, [e + 1]
+        members: wp.array(dtype=wp.int32),  # particles of the markers, [members]
         # State in:
-        force: wp.array(dtype=vec64),
+        force: wp.array(dtype=vec64),  # forces F_j on the markers [N], [e]
         # Out:
-        external_out: wp.array(dtype=vec),
+        external_out: wp.array(dtype=vec),  # forces on the particles [N], [n]
     ):
         """Forces f_i = F_j / N_j on the particles of the markers."""
         j = wp.tid()
@@ -83,22 +83,22 @@ def interface_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def apply_collisions(
         # Model:
-        first: wp.array(dtype=wp.int32),
-        members: wp.array(dtype=wp.int32),
-        mass: wp.array(dtype=wp.float64),
-        free: wp.array(dtype=vec),
+        first: wp.array(dtype=wp.int32),  # first member of each marker, [e + 1]
+        members: wp.array(dtype=wp.int32),  # particles of the markers, [members]
+        mass: wp.array(dtype=wp.float64),  # masses [kg], [n]
+        free: wp.array(dtype=vec),  # 1 on free axes, 0 on held ones, [n]
         # State in:
-        dt: wp.array(dtype=wp.float64),
-        impulse_before: wp.array(dtype=vec64),
-        impulse: wp.array(dtype=vec64),
-        external: wp.array(dtype=vec),
-        displacement_before: wp.array(dtype=vec),
-        displacement: wp.array(dtype=vec),
+        dt: wp.array(dtype=wp.float64),  # time step [s], [1]
+        impulse_before: wp.array(dtype=vec64),  # impulses on the markers at the start of the step [N s], [e]
+        impulse: wp.array(dtype=vec64),  # impulses on the markers [N s], [e]
+        external: wp.array(dtype=vec),  # forces of the fluid on the particles [N], [n]
+        displacement_before: wp.array(dtype=vec),  # displacements at the start of the step [m], [n]
+        displacement: wp.array(dtype=vec),  # displacements of the particles [m], [n]
         # State in and out:
-        velocity: wp.array(dtype=vec),
-        pressure_work: wp.array(dtype=wp.float64),
-        free_work: wp.array(dtype=wp.float64),
-        held_work: wp.array(dtype=wp.float64),
+        velocity: wp.array(dtype=vec),  # velocities of the particles [m/s], [n]
+        pressure_work: wp.array(dtype=wp.float64),  # work of the forces so far [J], [e]
+        free_work: wp.array(dtype=wp.float64),  # work of collisions on free axes so far [J], [e]
+        held_work: wp.array(dtype=wp.float64),  # work of collisions on held axes so far [J], [e]
     ):
         """Collision impulses J_j on the particles of a marker, and the works of a step.
 
@@ -129,10 +129,10 @@ def interface_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def replace_force(
         # State in:
-        external: wp.array(dtype=vec),
+        external: wp.array(dtype=vec),  # forces of the fluid on the particles [N], [n]
         # State in and out:
-        included: wp.array(dtype=vec),
-        force: wp.array(dtype=vec),
+        included: wp.array(dtype=vec),  # external force that the total force includes [N], [n]
+        force: wp.array(dtype=vec),  # total forces [N], [n]
     ):
         """Replace the external force in a total force by that of the step which begins."""
         i = wp.tid()

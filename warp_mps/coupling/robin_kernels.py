@@ -75,11 +75,11 @@ def robin_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def mark_wet(
         # Model:
-        constants: constants_type,
-        listed: wp.array(dtype=wp.int32, ndim=2),
-        count: wp.array(dtype=wp.int32),
+        constants: constants_type,  # constants of the run
+        listed: wp.array(dtype=wp.int32, ndim=2),  # neighbours of each particle, [n, room]
+        count: wp.array(dtype=wp.int32),  # number of neighbours of each particle, [n]
         # Out:
-        wet_out: wp.array(dtype=wp.int32),
+        wet_out: wp.array(dtype=wp.int32),  # 1 for fluid particles near a marker, else 0, [m]
     ):
         """Whether a fluid particle has a marker among its neighbours: the others are passed over in every product."""
         k = wp.tid()
@@ -93,18 +93,18 @@ def robin_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def add_diagonal(
         # Model:
-        constants: constants_type,
-        listed: wp.array(dtype=wp.int32, ndim=2),
-        count: wp.array(dtype=wp.int32),
-        wet: wp.array(dtype=wp.int32),
-        mobility: wp.array(dtype=real),
+        constants: constants_type,  # constants of the run
+        listed: wp.array(dtype=wp.int32, ndim=2),  # neighbours of each particle, [n, room]
+        count: wp.array(dtype=wp.int32),  # number of neighbours of each particle, [n]
+        wet: wp.array(dtype=wp.int32),  # 1 for fluid particles near a marker, else 0, [m]
+        mobility: wp.array(dtype=real),  # mobilities b_j [1/kg], [e]
         # State in:
-        x: wp.array(dtype=vec),
-        tilt: wp.array(dtype=vec),
+        x: wp.array(dtype=vec),  # positions [m], [n]
+        tilt: wp.array(dtype=vec),  # offsets of pair vectors to walls [m], [m]
         # State in and out:
-        diagonal: wp.array(dtype=real),
+        diagonal: wp.array(dtype=real),  # diagonal of the matrix [1/m^2], [m]
         # Out:
-        added_out: wp.array(dtype=real),
+        added_out: wp.array(dtype=real),  # the Robin term's part of the diagonal [1/m^2], [m]
     ):
         """Add rho V sum_j b_j k_ij . k_ij to the diagonal of the matrix."""
         k = wp.tid()
@@ -124,17 +124,17 @@ def robin_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def approximate_forces(
         # Model:
-        constants: constants_type,
-        listed: wp.array(dtype=wp.int32, ndim=2),
-        count: wp.array(dtype=wp.int32),
+        constants: constants_type,  # constants of the run
+        listed: wp.array(dtype=wp.int32, ndim=2),  # neighbours of each particle, [n, room]
+        count: wp.array(dtype=wp.int32),  # number of neighbours of each particle, [n]
         # State in:
-        control: wp.array(dtype=wp.int32),
-        x: wp.array(dtype=vec),
-        tilt: wp.array(dtype=vec),
-        p: wp.array(dtype=wp.float64),
-        direction: wp.array(dtype=wp.float64),
+        control: wp.array(dtype=wp.int32),  # state of the solver, see `warp_mps.core.linear.kernels`
+        x: wp.array(dtype=vec),  # positions [m], [n]
+        tilt: wp.array(dtype=vec),  # offsets of pair vectors to walls [m], [m]
+        p: wp.array(dtype=wp.float64),  # pressures [Pa], [m]
+        direction: wp.array(dtype=wp.float64),  # search direction [Pa], [m]
         # Out:
-        force_out: wp.array(dtype=vec),
+        force_out: wp.array(dtype=vec),  # forces F_j on the markers [N], [e]
     ):
         """Forces F_j = V sum_l p_l k_lj: of pressures p in a fresh pass of the solver, else of a search direction."""
         j = wp.tid()
@@ -151,11 +151,11 @@ def robin_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def offset_accelerations(
         # State in:
-        mobility: wp.array(dtype=real),
-        linearization: wp.array(dtype=vec),
-        a: wp.array(dtype=vec),
+        mobility: wp.array(dtype=real),  # mobilities b_j [1/kg], [e]
+        linearization: wp.array(dtype=vec),  # forces F0_j of the linearization point [N], [e]
+        a: wp.array(dtype=vec),  # accelerations of the markers [m/s^2], [e]
         # Out:
-        offset_out: wp.array(dtype=vec),
+        offset_out: wp.array(dtype=vec),  # b_j F0_j - a_j [m/s^2], [e]
     ):
         """b_j F0_j - a_j: the constant part of the accelerations a_j + b_j (F_j(p) - F0_j), with its sign turned."""
         j = wp.tid()
@@ -164,16 +164,16 @@ def robin_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def add_rhs(
         # Model:
-        constants: constants_type,
-        listed: wp.array(dtype=wp.int32, ndim=2),
-        count: wp.array(dtype=wp.int32),
-        wet: wp.array(dtype=wp.int32),
+        constants: constants_type,  # constants of the run
+        listed: wp.array(dtype=wp.int32, ndim=2),  # neighbours of each particle, [n, room]
+        count: wp.array(dtype=wp.int32),  # number of neighbours of each particle, [n]
+        wet: wp.array(dtype=wp.int32),  # 1 for fluid particles near a marker, else 0, [m]
         # State in:
-        x: wp.array(dtype=vec),
-        tilt: wp.array(dtype=vec),
-        offset: wp.array(dtype=vec),
+        x: wp.array(dtype=vec),  # positions [m], [n]
+        tilt: wp.array(dtype=vec),  # offsets of pair vectors to walls [m], [m]
+        offset: wp.array(dtype=vec),  # b_j F0_j - a_j [m/s^2], [e]
         # State in and out:
-        rhs: wp.array(dtype=wp.float64),
+        rhs: wp.array(dtype=wp.float64),  # right-hand side [Pa/m^2], [m]
     ):
         """Add rho sum_j k_ij . (b_j F0_j - a_j) to the right-hand side."""
         k = wp.tid()
@@ -191,21 +191,21 @@ def robin_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def add_product(
         # Model:
-        constants: constants_type,
-        listed: wp.array(dtype=wp.int32, ndim=2),
-        count: wp.array(dtype=wp.int32),
-        wet: wp.array(dtype=wp.int32),
-        added: wp.array(dtype=real),
-        mobility: wp.array(dtype=real),
+        constants: constants_type,  # constants of the run
+        listed: wp.array(dtype=wp.int32, ndim=2),  # neighbours of each particle, [n, room]
+        count: wp.array(dtype=wp.int32),  # number of neighbours of each particle, [n]
+        wet: wp.array(dtype=wp.int32),  # 1 for fluid particles near a marker, else 0, [m]
+        added: wp.array(dtype=real),  # the Robin term's part of the diagonal [1/m^2], [m]
+        mobility: wp.array(dtype=real),  # mobilities b_j [1/kg], [e]
         # State in:
-        control: wp.array(dtype=wp.int32),
-        x: wp.array(dtype=vec),
-        tilt: wp.array(dtype=vec),
-        force: wp.array(dtype=vec),
-        p: wp.array(dtype=wp.float64),
-        direction: wp.array(dtype=wp.float64),
+        control: wp.array(dtype=wp.int32),  # state of the solver, see `warp_mps.core.linear.kernels`
+        x: wp.array(dtype=vec),  # positions [m], [n]
+        tilt: wp.array(dtype=vec),  # offsets of pair vectors to walls [m], [m]
+        force: wp.array(dtype=vec),  # forces F_j on the markers [N], [e]
+        p: wp.array(dtype=wp.float64),  # pressures [Pa], [m]
+        direction: wp.array(dtype=wp.float64),  # search direction [Pa], [m]
         # State in and out:
-        q: wp.array(dtype=wp.float64),
+        q: wp.array(dtype=wp.float64),  # product with the matrix [Pa/m^2], [m]
     ):
         """Add rho sum_j b_j k_ij . F_j to a product with the matrix, less the part that its diagonal holds already."""
         k = wp.tid()

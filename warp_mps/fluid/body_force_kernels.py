@@ -22,13 +22,13 @@ def body_force_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def push_velocity(
         # Model:
-        walls: wp.int32,
+        walls: wp.int32,  # number of wall particles w
         # State in:
-        dt: wp.array(dtype=wp.float64),
-        force: wp.array(dtype=vec),
-        u: wp.array(dtype=vec),
+        dt: wp.array(dtype=wp.float64),  # time step [s], [1]
+        force: wp.array(dtype=vec),  # body forces per mass [m/s^2], [n]
+        u: wp.array(dtype=vec),  # velocities [m/s], [n]
         # Out:
-        u_out: wp.array(dtype=vec),
+        u_out: wp.array(dtype=vec),  # velocities with those by body forces [m/s], [n]
     ):
         """Velocities u + dt f of fluid particles, and u of walls [m/s]."""
         i = wp.tid()
@@ -40,18 +40,18 @@ def body_force_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def add_acceleration(
         # Model:
-        walls: wp.int32,
-        keep: real,
-        mass: wp.float64,
+        walls: wp.int32,  # number of wall particles w
+        keep: real,  # 1 to keep the accelerations, 0 to replace them
+        mass: wp.float64,  # mass of a particle [kg], in 2-D [kg/m]
         # State in:
-        dt: wp.array(dtype=wp.float64),
-        force: wp.array(dtype=vec),
-        u: wp.array(dtype=vec),
-        lost: wp.array(dtype=wp.int32),
+        dt: wp.array(dtype=wp.float64),  # time step [s], [1]
+        force: wp.array(dtype=vec),  # body forces per mass [m/s^2], [n]
+        u: wp.array(dtype=vec),  # velocities [m/s], [n]
+        lost: wp.array(dtype=wp.int32),  # 1 for particles that have left the domain, else 0, [n]
         # State in and out:
-        acceleration: wp.array(dtype=vec),
-        impulse: wp.array(dtype=vec64),
-        work: wp.array(dtype=wp.float64),
+        acceleration: wp.array(dtype=vec),  # accelerations of the predictor [m/s^2], [n]
+        impulse: wp.array(dtype=vec64),  # impulses of the body forces so far [N s], [m]
+        work: wp.array(dtype=wp.float64),  # work so far [J], [m]
     ):
         """Acceleration `keep` a + f of a fluid particle, its impulse m dt f, and half of the work, dt/2 m f . u."""
         k = wp.tid()
@@ -65,11 +65,11 @@ def body_force_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def lean_walls(
         # Model:
-        moving: wp.array(dtype=wp.int32),
+        moving: wp.array(dtype=wp.int32),  # 1 for particles of moving walls, else 0, [w]
         # State in:
-        force: wp.array(dtype=vec),
+        force: wp.array(dtype=vec),  # body forces per mass [m/s^2], [n]
         # State in and out:
-        a: wp.array(dtype=vec),
+        a: wp.array(dtype=vec),  # accelerations of walls less the body forces [m/s^2], [n]
     ):
         """Subtract the body force from the acceleration of a wall particle, which stands for g - a in all relations.
 
@@ -84,15 +84,15 @@ def body_force_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def add_work(
         # Model:
-        walls: wp.int32,
-        mass: wp.float64,
+        walls: wp.int32,  # number of wall particles w
+        mass: wp.float64,  # mass of a particle [kg], in 2-D [kg/m]
         # State in:
-        dt: wp.array(dtype=wp.float64),
-        force: wp.array(dtype=vec),
-        u: wp.array(dtype=vec),
-        lost: wp.array(dtype=wp.int32),
+        dt: wp.array(dtype=wp.float64),  # time step [s], [1]
+        force: wp.array(dtype=vec),  # body forces per mass [m/s^2], [n]
+        u: wp.array(dtype=vec),  # velocities [m/s], [n]
+        lost: wp.array(dtype=wp.int32),  # 1 for particles that have left the domain, else 0, [n]
         # State in and out:
-        work: wp.array(dtype=wp.float64),
+        work: wp.array(dtype=wp.float64),  # work so far [J], [m]
     ):
         """The other half of the work, dt/2 m f . u with the velocity at the end of the step [J]."""
         k = wp.tid()

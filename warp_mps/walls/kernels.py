@@ -67,11 +67,12 @@ def wall_kernels(types: NumericTypes) -> SimpleNamespace:
 
     @types.kernel(METHOD)
     def clock(
+        # State in:
+        steps: wp.array(dtype=wp.int32),  # number of steps done, [1]
         # Model:
-        steps: wp.array(dtype=wp.int32),
-        dt: wp.float64,
+        dt: wp.float64,  # time step [s]
         # State out:
-        time_out: wp.array(dtype=wp.float64),
+        time_out: wp.array(dtype=wp.float64),  # time [s], [1]
     ):
         """Time t = n dt after n steps."""
         time_out[0] = wp.float64(steps[0]) * dt
@@ -79,20 +80,20 @@ def wall_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def pose(
         # Model:
-        amplitude: wp.array(dtype=vec64, ndim=2),
-        frequency: wp.array(dtype=wp.float64, ndim=2),
-        phase: wp.array(dtype=wp.float64, ndim=2),
-        start: wp.array(dtype=wp.int32, ndim=2),
-        times: wp.array(dtype=wp.float64),
-        rows: wp.array(dtype=vec64),
-        slopes: wp.array(dtype=vec64),
-        cubic: wp.array(dtype=wp.int32, ndim=2),
+        amplitude: wp.array(dtype=vec64, ndim=2),  # amplitudes [m] or [rad], [walls, 2]
+        frequency: wp.array(dtype=wp.float64, ndim=2),  # frequencies, 0 for a table [Hz], [walls, 2]
+        phase: wp.array(dtype=wp.float64, ndim=2),  # phases [rad], [walls, 2]
+        start: wp.array(dtype=wp.int32, ndim=2),  # first row of each table and one past its last, [walls, 4]
+        times: wp.array(dtype=wp.float64),  # times of the rows [s], [rows]
+        rows: wp.array(dtype=vec64),  # displacements [m] or angles [rad] of the rows, [rows]
+        slopes: wp.array(dtype=vec64),  # their slopes [m/s] or [rad/s], [rows]
+        cubic: wp.array(dtype=wp.int32, ndim=2),  # 1 for cubic interpolation, else 0, [walls, 2]
         # State in:
-        time: wp.array(dtype=wp.float64),
+        time: wp.array(dtype=wp.float64),  # time [s], [1]
         # State out:
-        value_out: wp.array(dtype=vec64, ndim=2),
-        rate_out: wp.array(dtype=vec64, ndim=2),
-        second_out: wp.array(dtype=vec64, ndim=2),
+        value_out: wp.array(dtype=vec64, ndim=2),  # displacements [m] and angles [rad], [walls, 2]
+        rate_out: wp.array(dtype=vec64, ndim=2),  # their rates [m/s] and [rad/s], [walls, 2]
+        second_out: wp.array(dtype=vec64, ndim=2),  # their second derivatives [m/s^2] and [rad/s^2], [walls, 2]
     ):
         """Displacement (column 0) or angle (column 1, in its first component) of a wall, and its two derivatives.
 
@@ -117,19 +118,19 @@ def wall_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def place(
         # Model:
-        first: wp.int32,
-        wall: wp.array(dtype=wp.int32),
-        reference: wp.array(dtype=vec64),
-        pivot: wp.array(dtype=vec64),
-        axis: wp.array(dtype=wp.vec3d),
+        first: wp.int32,  # first particle of this launch
+        wall: wp.array(dtype=wp.int32),  # wall of each particle, -1 for none, [n]
+        reference: wp.array(dtype=vec64),  # reference positions X [m], [n]
+        pivot: wp.array(dtype=vec64),  # pivots [m], [walls]
+        axis: wp.array(dtype=wp.vec3d),  # unit axes of rotation [-], [walls]
         # State in:
-        value: wp.array(dtype=vec64, ndim=2),
-        rate: wp.array(dtype=vec64, ndim=2),
-        second: wp.array(dtype=vec64, ndim=2),
+        value: wp.array(dtype=vec64, ndim=2),  # displacements [m] and angles [rad], [walls, 2]
+        rate: wp.array(dtype=vec64, ndim=2),  # their rates [m/s] and [rad/s], [walls, 2]
+        second: wp.array(dtype=vec64, ndim=2),  # their second derivatives [m/s^2] and [rad/s^2], [walls, 2]
         # State out:
-        x_out: wp.array(dtype=vec),
-        v_out: wp.array(dtype=vec),
-        a_out: wp.array(dtype=vec),
+        x_out: wp.array(dtype=vec),  # positions [m], [n]
+        v_out: wp.array(dtype=vec),  # velocities [m/s], [n]
+        a_out: wp.array(dtype=vec),  # accelerations [m/s^2], [n]
     ):
         """Positions, velocities and accelerations of the particles that belong to a wall (index at least 0)."""
         i = first + wp.tid()
@@ -143,23 +144,25 @@ def wall_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def move_walls(
         # Model:
-        first: wp.int32,
-        elastic: wp.int32,
-        wall: wp.array(dtype=wp.int32),
-        reference: wp.array(dtype=vec64),
-        pivot: wp.array(dtype=vec64),
-        axis: wp.array(dtype=wp.vec3d),
+        first: wp.int32,  # first particle of this launch
+        elastic: wp.int32,  # number e of elastic particles
+        wall: wp.array(dtype=wp.int32),  # wall of each particle, -1 for none, [n]
+        reference: wp.array(dtype=vec64),  # reference positions X [m], [n]
+        pivot: wp.array(dtype=vec64),  # pivots [m], [walls]
+        axis: wp.array(dtype=wp.vec3d),  # unit axes of rotation [-], [walls]
         # State in:
-        value: wp.array(dtype=vec64, ndim=2),
-        rate: wp.array(dtype=vec64, ndim=2),
-        second: wp.array(dtype=vec64, ndim=2),
-        contact: wp.array(dtype=vec),
+        value: wp.array(dtype=vec64, ndim=2),  # displacements [m] and angles [rad], [walls, 2]
+        rate: wp.array(dtype=vec64, ndim=2),  # their rates [m/s] and [rad/s], [walls, 2]
+        second: wp.array(dtype=vec64, ndim=2),  # their second derivatives [m/s^2] and [rad/s^2], [walls, 2]
+        contact: wp.array(dtype=vec),  # contact forces [N], [n]
         # State in and out:
-        u: wp.array(dtype=vec),
-        v_out: wp.array(dtype=vec),
-        a_out: wp.array(dtype=vec),
-        move_out: wp.array(dtype=vec),
-        work: wp.array(dtype=wp.float64),
+        u: wp.array(dtype=vec),  # displacements [m], [n]
+        # State out:
+        v_out: wp.array(dtype=vec),  # velocities [m/s], [n]
+        a_out: wp.array(dtype=vec),  # accelerations [m/s^2], [n]
+        move_out: wp.array(dtype=vec),  # displacements of this step [m], [n - e]
+        # State in and out:
+        work: wp.array(dtype=wp.float64),  # work of the wall particles so far [J], [n - e]
     ):
         """Move wall particles, which come after the elastic ones, and add the first half of the work of the step.
 
@@ -179,13 +182,13 @@ def wall_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def wall_work(
         # Model:
-        first: wp.int32,
-        elastic: wp.int32,
+        first: wp.int32,  # first particle of this launch
+        elastic: wp.int32,  # number e of elastic particles
         # State in:
-        contact: wp.array(dtype=vec),
-        move: wp.array(dtype=vec),
+        contact: wp.array(dtype=vec),  # contact forces [N], [n]
+        move: wp.array(dtype=vec),  # displacements of this step [m], [n - e]
         # State in and out:
-        work: wp.array(dtype=wp.float64),
+        work: wp.array(dtype=wp.float64),  # work of the wall particles so far [J], [n - e]
     ):
         """Second half of the work of the walls: W -= 1/2 f^(n+1) . du."""
         i = first + wp.tid()
@@ -195,9 +198,9 @@ def wall_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def clear_forces(
         # Model:
-        first: wp.int32,
+        first: wp.int32,  # first particle of this launch
         # State out:
-        force_out: wp.array(dtype=vec),
+        force_out: wp.array(dtype=vec),  # forces [N], [n]
     ):
         """Set the forces on the walls to 0."""
         force_out[first + wp.tid()] = vec()

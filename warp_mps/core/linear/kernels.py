@@ -60,17 +60,17 @@ def solver_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def prepare(
         # Model:
-        rows: counts,
-        active: counts,
-        diagonal: wp.array(dtype=real),
-        b: numbers,
+        rows: counts,  # number of rows in use n, [1]
+        active: counts,  # 1 for unknowns, else 0, [room]
+        diagonal: wp.array(dtype=real),  # diagonal, [room]
+        b: numbers,  # right-hand side b, [room]
         # State out:
-        inverse_out: numbers,
-        rhs_out: numbers,
-        r_out: numbers,
-        z_out: numbers,
-        p_out: numbers,
-        q_out: numbers,
+        inverse_out: numbers,  # D^-1, [room]
+        rhs_out: numbers,  # right-hand side b, [room]
+        r_out: numbers,  # residual, [room]
+        z_out: numbers,  # preconditioned residual, [room]
+        p_out: numbers,  # search direction, [room]
+        q_out: numbers,  # product A p, [room]
     ):
         """D^-1, which is 0 in rows that are not unknowns, the right-hand side b, and vectors that start at 0."""
         i = wp.tid()
@@ -89,18 +89,18 @@ def solver_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def multiply(
         # Model:
-        first: counts,
-        count: counts,
-        index: counts,
-        value: wp.array(dtype=real),
-        diagonal: wp.array(dtype=real),
-        inverse: numbers,
+        first: counts,  # first entry of each row, [room]
+        count: counts,  # number of entries of each row, [room]
+        index: counts,  # column of each entry, [entries]
+        value: wp.array(dtype=real),  # off-diagonal entries with their sign turned, [entries]
+        diagonal: wp.array(dtype=real),  # diagonal, [room]
+        inverse: numbers,  # D^-1, 0 in rows that are not unknowns, [room]
         # State in:
-        control: counts,
-        x: numbers,
-        p: numbers,
+        control: counts,  # integers of the loop, [CONTROLS]
+        x: numbers,  # solution, [room]
+        p: numbers,  # search direction, [room]
         # State out:
-        q_out: numbers,
+        q_out: numbers,  # product A p, [room]
     ):
         """Product q = A p, or A x in a restart pass."""
         i = wp.tid()
@@ -113,14 +113,15 @@ def solver_kernels(types: NumericTypes) -> SimpleNamespace:
 
     @types.kernel(METHOD)
     def start_solve(
-        tolerance: wp.float64,
-        floor: wp.float64,
+        # Model:
+        tolerance: wp.float64,  # target relative to |b| [-]
+        floor: wp.float64,  # least target
         # State in:
-        square: pairs,
+        square: pairs,  # b . b, [1]
         # State out:
-        running_out: counts,
-        control_out: counts,
-        scalars_out: numbers,
+        running_out: counts,  # 1 while the loop runs, [1]
+        control_out: counts,  # integers of the loop, [CONTROLS]
+        scalars_out: numbers,  # scalars of the loop, [SCALARS]
     ):
         """Start a solve with a restart pass; the target is |r| <= max(tolerance |b|, floor)."""
         running_out[0] = 1
@@ -136,10 +137,10 @@ def solver_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def step_length(
         # State in:
-        pq: pairs,
+        pq: pairs,  # p . A p, [1]
         # State in and out:
-        control: counts,
-        scalars: numbers,
+        control: counts,  # integers of the loop, [CONTROLS]
+        scalars: numbers,  # scalars of the loop, [SCALARS]
     ):
         """Step length alpha = r.z / p.A p; 0 where the matrix or its preconditioner is not positive."""
         rz = scalars[RZ]
@@ -153,18 +154,18 @@ def solver_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def update_solution(
         # Model:
-        inverse: numbers,
+        inverse: numbers,  # D^-1, 0 in rows that are not unknowns, [room]
         # State in:
-        control: counts,
-        scalars: numbers,
-        rhs: numbers,
-        p: numbers,
-        q: numbers,
+        control: counts,  # integers of the loop, [CONTROLS]
+        scalars: numbers,  # scalars of the loop, [SCALARS]
+        rhs: numbers,  # right-hand side b, [room]
+        p: numbers,  # search direction, [room]
+        q: numbers,  # product A p, or A x, [room]
         # State in and out:
-        x: numbers,
-        r: numbers,
+        x: numbers,  # solution, [room]
+        r: numbers,  # residual, [room]
         # State out:
-        z_out: numbers,
+        z_out: numbers,  # preconditioned residual, [room]
     ):
         """Step x += alpha p and r -= alpha A p, or r = b - A x in a restart pass; z = D^-1 r with the diagonal D."""
         i = wp.tid()
@@ -182,17 +183,18 @@ def solver_kernels(types: NumericTypes) -> SimpleNamespace:
 
     @types.kernel(METHOD)
     def check_convergence(
-        tolerance: wp.float64,
-        max_iterations: wp.int32,
-        max_restarts: wp.int32,
+        # Model:
+        tolerance: wp.float64,  # target relative to |b| [-]
+        max_iterations: wp.int32,  # most iterations
+        max_restarts: wp.int32,  # most restarts
         # State in:
-        products: pairs,
+        products: pairs,  # r . z and r . r, [1]
         # State in and out:
-        control: counts,
-        scalars: numbers,
-        statistics: numbers,
+        control: counts,  # integers of the loop, [CONTROLS]
+        scalars: numbers,  # scalars of the loop, [SCALARS]
+        statistics: numbers,  # statistics, [STATISTICS]
         # State out:
-        running_out: counts,
+        running_out: counts,  # 1 while the loop runs, [1]
     ):
         """Beta = r.z / (r.z of the last pass), whether to continue, and whether the next pass is a restart.
 
@@ -249,12 +251,12 @@ def solver_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def update_direction(
         # Model:
-        inverse: numbers,
+        inverse: numbers,  # D^-1, 0 in rows that are not unknowns, [room]
         # State in:
-        scalars: numbers,
-        z: numbers,
+        scalars: numbers,  # scalars of the loop, [SCALARS]
+        z: numbers,  # preconditioned residual, [room]
         # State in and out:
-        p: numbers,
+        p: numbers,  # search direction, [room]
     ):
         """The next search direction p = z + beta p."""
         i = wp.tid()
@@ -270,9 +272,9 @@ def solver_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def mark_unknowns(
         # Model:
-        inverse: numbers,
+        inverse: numbers,  # D^-1, 0 in rows that are not unknowns, [room]
         # State out:
-        mask_out: numbers,
+        mask_out: numbers,  # 1 for unknowns, else 0, [room]
     ):
         """1 in the rows of unknowns, else 0."""
         i = wp.tid()
@@ -284,12 +286,12 @@ def solver_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def remove_mean(
         # Model:
-        singular: counts,
-        inverse: numbers,
+        singular: counts,  # 1 if constants are in the null space, else 0, [1]
+        inverse: numbers,  # D^-1, 0 in rows that are not unknowns, [room]
         # State in:
-        sums: pairs,
+        sums: pairs,  # sum over the unknowns and their number, [1]
         # State in and out:
-        v: numbers,
+        v: numbers,  # the vector, [room]
     ):
         """Subtract the mean of the unknowns from a vector if the system is singular."""
         i = wp.tid()

@@ -21,14 +21,14 @@ def sum_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def dot_products(
         # Model:
-        across: wp.int32,
-        along: wp.int32,
+        across: wp.int32,  # distance of the first elements of two threads
+        along: wp.int32,  # distance of the elements of a thread
         # State in:
-        a: numbers,
-        b: numbers,
-        c: numbers,
+        a: numbers,  # vector a, [n]
+        b: numbers,  # vector b, [n]
+        c: numbers,  # vector c, [n]
         # State out:
-        sums_out: pairs,
+        sums_out: pairs,  # partial sums, [threads]
     ):
         """Partial sums of a.b and a.c: thread t adds up the elements `across` t + `along` k, k < CHUNK."""
         t = wp.tid()
@@ -45,13 +45,13 @@ def sum_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def sum_chunks(
         # Model:
-        across: wp.int32,
-        along: wp.int32,
-        n: wp.int32,
+        across: wp.int32,  # distance of the first elements of two threads
+        along: wp.int32,  # distance of the elements of a thread
+        n: wp.int32,  # number of partial sums
         # State in:
-        values: pairs,
+        values: pairs,  # partial sums of the last level, [n]
         # State out:
-        sums_out: pairs,
+        sums_out: pairs,  # partial sums, [threads]
     ):
         """Sums of the partial sums that a thread of the next level adds up."""
         t = wp.tid()

@@ -31,16 +31,16 @@ def cell_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def coarsen(
         # Model:
-        dims: ivec,
-        coarse_dims: ivec,
-        wraps: ivec,
+        dims: ivec,  # cells along each axis
+        coarse_dims: ivec,  # coarse cells along each axis
+        wraps: ivec,  # 1 along periodic axes, else 0
         # State in:
-        coupling: numbers,
-        excess: numbers,
+        coupling: numbers,  # couplings of each cell to those around it, [cells 3^d]
+        excess: numbers,  # excess of the diagonal over the couplings, [cells]
         # State out:
-        coupling_out: numbers,
-        excess_out: numbers,
-        diagonal_out: numbers,
+        coupling_out: numbers,  # couplings of each cell to those around it, [cells 3^d]
+        excess_out: numbers,  # excess of the diagonal over the couplings, [cells]
+        diagonal_out: numbers,  # diagonal, [cells]
     ):
         """Coarse-grid matrix between cells twice as wide; couplings count half, since the distance has doubled."""
         c = wp.tid()
@@ -71,14 +71,14 @@ def cell_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def residual(
         # Model:
-        there: counts,
+        there: counts,  # cells around each cell, [cells 3^d]
         # State in:
-        coupling: numbers,
-        diagonal: numbers,
-        r: numbers,
-        e: numbers,
+        coupling: numbers,  # couplings of each cell to those around it, [cells 3^d]
+        diagonal: numbers,  # diagonal, 0 without unknowns, [cells]
+        r: numbers,  # residual, [cells]
+        e: numbers,  # correction, [cells]
         # State out:
-        residual_out: numbers,
+        residual_out: numbers,  # residual of the correction, [cells]
     ):
         """Residual r - A e of the correction e; 0 in cells without unknowns."""
         c = wp.tid()
@@ -90,17 +90,17 @@ def cell_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def restrict_cells(
         # Model:
-        dims: ivec,
-        coarse_dims: ivec,
-        first: ivec,
-        cell: counts,
-        share: numbers,
+        dims: ivec,  # cells along each axis
+        coarse_dims: ivec,  # coarse cells along each axis
+        first: ivec,  # first row of the tables along each axis
+        cell: counts,  # cells of the other level, by row of the tables
+        share: numbers,  # their weights, by row of the tables [-]
         # State in:
-        diagonal: numbers,
-        fine_r: numbers,
+        diagonal: numbers,  # diagonal, 0 without unknowns, [cells]
+        fine_r: numbers,  # residual on the fine cells
         # State out:
-        r_out: numbers,
-        e_out: numbers,
+        r_out: numbers,  # residual, [cells]
+        e_out: numbers,  # correction, [cells]
     ):
         """Restriction r_coarse = P^T r, and the first smoothing sweep from e = 0: e = omega r / diagonal."""
         c = wp.tid()
@@ -126,16 +126,16 @@ def cell_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def prolong_to_cells(
         # Model:
-        dims: ivec,
-        coarse_dims: ivec,
-        first: ivec,
-        cell: counts,
-        share: numbers,
+        dims: ivec,  # cells along each axis
+        coarse_dims: ivec,  # coarse cells along each axis
+        first: ivec,  # first row of the tables along each axis
+        cell: counts,  # cells of the other level, by row of the tables
+        share: numbers,  # their weights, by row of the tables [-]
         # State in:
-        diagonal: numbers,
-        coarse_e: numbers,
+        diagonal: numbers,  # diagonal, 0 without unknowns, [cells]
+        coarse_e: numbers,  # correction on the coarse cells
         # State in and out:
-        e: numbers,
+        e: numbers,  # correction, [cells]
     ):
         """Coarse-grid correction e += P e_coarse, with linear interpolation P."""
         c = wp.tid()
@@ -158,14 +158,14 @@ def cell_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def jacobi_sweep(
         # Model:
-        there: counts,
+        there: counts,  # cells around each cell, [cells 3^d]
         # State in:
-        coupling: numbers,
-        diagonal: numbers,
-        r: numbers,
-        e: numbers,
+        coupling: numbers,  # couplings of each cell to those around it, [cells 3^d]
+        diagonal: numbers,  # diagonal, 0 without unknowns, [cells]
+        r: numbers,  # residual, [cells]
+        e: numbers,  # correction, [cells]
         # State out:
-        e_out: numbers,
+        e_out: numbers,  # correction, [cells]
     ):
         """Smoother: a damped Jacobi sweep e += omega (r - A e) / diagonal."""
         c = wp.tid()

@@ -33,20 +33,20 @@ def particle_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def locate_particles(
         # Model:
-        low: vec,
-        width: vec,
-        dims: ivec,
-        wraps: ivec,
-        bins: wp.int32,
+        low: vec,  # lowest corner of the grid [m]
+        width: vec,  # widths of a cell [m]
+        dims: ivec,  # cells along each axis
+        wraps: ivec,  # 1 along periodic axes, else 0
+        bins: wp.int32,  # number of bins
         # State in:
-        inverse: numbers,
-        positions: wp.array(dtype=vec),
+        inverse: numbers,  # D^-1 of the matrix, 0 in rows that are not unknowns, [n]
+        positions: wp.array(dtype=vec),  # positions [m], [n]
         # State out:
-        bin_out: counts,
-        order_out: counts,
-        between_out: counts,
-        cell_out: wp.array(dtype=ivec),
-        weight_out: wp.array(dtype=shares),
+        bin_out: counts,  # bin of each row, [n]
+        order_out: counts,  # numbers of the rows, to be sorted by bin, [n]
+        between_out: counts,  # box between cell centres of each row, [n]
+        cell_out: wp.array(dtype=ivec),  # cell of each row, [n]
+        weight_out: wp.array(dtype=shares),  # weights in the 2^d cells around it [-], [n]
     ):
         """The bin (half a cell wide) and the cell of each unknown, and its weights in the cells around it.
 
@@ -98,12 +98,12 @@ def particle_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def find_starts(
         # Model:
-        n: wp.int32,
-        bins: wp.int32,
+        n: wp.int32,  # number of rows
+        bins: wp.int32,  # number of bins
         # State in:
-        bin: counts,
+        bin: counts,  # bins, sorted, [n]
         # State out:
-        start_out: counts,
+        start_out: counts,  # first row of each bin, [bins + 1]
     ):
         """First of the sorted unknowns in each of a few bins, or in a later one where it is empty."""
         first = BINS_PER_THREAD * wp.tid()
@@ -124,24 +124,23 @@ def particle_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def assemble_cell_matrix(
         # Model:
-        dims: ivec,
-        wraps: ivec,
-        scale: wp.float64,
-        # Model:
-        first: counts,
-        count: counts,
-        index: counts,
-        value: wp.array(dtype=real),
-        diagonal: wp.array(dtype=real),
+        dims: ivec,  # cells along each axis
+        wraps: ivec,  # 1 along periodic axes, else 0
+        scale: wp.float64,  # factor of the couplings [-]
+        first: counts,  # first entry of each row, [n]
+        count: counts,  # number of entries of each row, [n]
+        index: counts,  # column of each entry, [entries]
+        value: wp.array(dtype=real),  # off-diagonal entries with their sign turned, [entries]
+        diagonal: wp.array(dtype=real),  # diagonal of the matrix, [n]
         # State in:
-        start: counts,
-        order: counts,
-        cell: wp.array(dtype=ivec),
+        start: counts,  # first row of each bin, [bins + 1]
+        order: counts,  # rows, sorted by bin, [n]
+        cell: wp.array(dtype=ivec),  # cell of each row, [n]
         # State out:
-        share_out: numbers,
-        coupling_out: numbers,
-        excess_out: numbers,
-        diagonal_out: numbers,
+        share_out: numbers,  # share of each row [-], [n]
+        coupling_out: numbers,  # couplings of each cell to those around it, [cells 3^d]
+        excess_out: numbers,  # excess of the diagonal over the couplings, [cells]
+        diagonal_out: numbers,  # diagonal, [cells]
     ):
         """Finest cell matrix: scaled sums of the entries between the unknowns of two cells; share of each row.
 
@@ -186,12 +185,12 @@ def particle_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def normalize_weights(
         # State in:
-        inverse: numbers,
-        between: counts,
-        share: numbers,
-        corner_diagonal: wp.array(dtype=shares),
+        inverse: numbers,  # D^-1 of the matrix, 0 in rows that are not unknowns, [n]
+        between: counts,  # box between cell centres of each row, [n]
+        share: numbers,  # share of each row [-], [n]
+        corner_diagonal: wp.array(dtype=shares),  # diagonals of the cells around each box, [boxes]
         # State in and out:
-        weight: wp.array(dtype=shares),
+        weight: wp.array(dtype=shares),  # weights in the 2^d cells around each row [-], [n]
     ):
         """Normalize the weights over cells with unknowns, so that constants are interpolated exactly; scale by shares.
 
@@ -215,15 +214,15 @@ def particle_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def restrict_particles(
         # Model:
-        dims: ivec,
-        wraps: ivec,
+        dims: ivec,  # cells along each axis
+        wraps: ivec,  # 1 along periodic axes, else 0
         # State in:
-        start: counts,
-        order: counts,
-        weight: wp.array(dtype=shares),
-        r: numbers,
+        start: counts,  # first row of each bin, [bins + 1]
+        order: counts,  # rows, sorted by bin, [n]
+        weight: wp.array(dtype=shares),  # weights in the 2^d cells around each row [-], [n]
+        r: numbers,  # residual, [n]
         # State out:
-        corner_out: wp.array(dtype=shares),
+        corner_out: wp.array(dtype=shares),  # weighted sums for the 2^d cells around each box, [boxes]
     ):
         """Restriction, first part: sums of weighted residuals of the unknowns between the same 2^d cell centres."""
         t = wp.tid()
@@ -241,14 +240,14 @@ def particle_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def restrict_corners(
         # Model:
-        dims: ivec,
-        wraps: ivec,
+        dims: ivec,  # cells along each axis
+        wraps: ivec,  # 1 along periodic axes, else 0
         # State in:
-        diagonal: numbers,
-        corner_sums: wp.array(dtype=shares),
+        diagonal: numbers,  # diagonal, 0 without unknowns, [cells]
+        corner_sums: wp.array(dtype=shares),  # weighted sums for the 2^d cells around each box, [boxes]
         # State out:
-        r_out: numbers,
-        e_out: numbers,
+        r_out: numbers,  # residual, [cells]
+        e_out: numbers,  # correction, [cells]
     ):
         """Restriction, second part: residual r = P^T r of each cell, and the first sweep e = omega r / diagonal."""
         c = wp.tid()
@@ -266,12 +265,12 @@ def particle_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def corner_values(
         # Model:
-        dims: ivec,
-        wraps: ivec,
+        dims: ivec,  # cells along each axis
+        wraps: ivec,  # 1 along periodic axes, else 0
         # State in:
-        e: numbers,
+        e: numbers,  # correction, [cells]
         # State out:
-        corner_out: wp.array(dtype=shares),
+        corner_out: wp.array(dtype=shares),  # values of the 2^d cells around each box, [boxes]
     ):
         """Values of the 2^d cells around each box between centres; a cell beyond the edge has weight 0."""
         t = wp.tid()
@@ -287,12 +286,12 @@ def particle_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def prolong_to_particles(
         # State in:
-        inverse: numbers,
-        between: counts,
-        weight: wp.array(dtype=shares),
-        corner_e: wp.array(dtype=shares),
+        inverse: numbers,  # D^-1 of the matrix, 0 in rows that are not unknowns, [n]
+        between: counts,  # box between cell centres of each row, [n]
+        weight: wp.array(dtype=shares),  # weights in the 2^d cells around each row [-], [n]
+        corner_e: wp.array(dtype=shares),  # corrections of the cells around each box, [boxes]
         # State in and out:
-        z: numbers,
+        z: numbers,  # preconditioned residual, [n]
     ):
         """Coarse-grid correction z += P e of the unknowns."""
         i = wp.tid()

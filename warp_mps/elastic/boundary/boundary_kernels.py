@@ -28,25 +28,25 @@ def boundary_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def move_supports(
         # Model:
-        particles: wp.array(dtype=wp.int32),
-        axes: vec,
-        dt: wp.float64,
-        amplitude: vec,
-        frequency: wp.float64,
-        phase: wp.float64,
-        times: wp.array(dtype=wp.float64),
-        table: wp.array(dtype=vec),
-        slopes: wp.array(dtype=vec),
-        mass: wp.array(dtype=real),
-        steps: wp.array(dtype=wp.int32),
+        particles: wp.array(dtype=wp.int32),  # particles of the region, [k]
+        axes: vec,  # 1 on held axes, else 0
+        dt: wp.float64,  # time step [s]
+        amplitude: vec,  # amplitudes [m]
+        frequency: wp.float64,  # frequency f, 0 for none [Hz]
+        phase: wp.float64,  # phase [rad]
+        times: wp.array(dtype=wp.float64),  # times of the table [s], [rows]
+        table: wp.array(dtype=vec),  # its displacements [m], [rows]
+        slopes: wp.array(dtype=vec),  # its slopes [m/s], [rows], or empty if linear
+        mass: wp.array(dtype=real),  # masses [kg], [n]
         # State in:
-        force: wp.array(dtype=vec),
+        steps: wp.array(dtype=wp.int32),  # number of steps done, [1]
+        force: wp.array(dtype=vec),  # total forces [N], [n]
         # State in and out:
-        u: wp.array(dtype=vec),
-        v: wp.array(dtype=vec),
-        a: wp.array(dtype=vec),
-        move: wp.array(dtype=vec),
-        work: wp.array(dtype=wp.float64),
+        u: wp.array(dtype=vec),  # displacements [m], [n]
+        v: wp.array(dtype=vec),  # velocities [m/s], [n]
+        a: wp.array(dtype=vec),  # prescribed accelerations [m/s^2], [n]
+        move: wp.array(dtype=vec),  # displacements of this step [m], [k]
+        work: wp.array(dtype=wp.float64),  # work so far [J], [k]
     ):
         """Impose the prescribed motion u(t) of a support: harmonic where f > 0, else by the table.
 
@@ -96,12 +96,12 @@ def boundary_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def support_work(
         # Model:
-        particles: wp.array(dtype=wp.int32),
+        particles: wp.array(dtype=wp.int32),  # particles of the region, [k]
         # State in:
-        force: wp.array(dtype=vec),
-        move: wp.array(dtype=vec),
+        force: wp.array(dtype=vec),  # total forces [N], [n]
+        move: wp.array(dtype=vec),  # displacements of this step [m], [k]
         # State in and out:
-        work: wp.array(dtype=wp.float64),
+        work: wp.array(dtype=wp.float64),  # work so far [J], [k]
     ):
         """Second half of the work of a moving support: W -= 1/2 f^(n+1) . du."""
         k = wp.tid()
@@ -110,15 +110,16 @@ def boundary_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def add_loads(
         # Model:
-        particles: wp.array(dtype=wp.int32),
-        dt: wp.float64,
-        acceleration: vec,
-        frequency: wp.float64,
-        phase: wp.float64,
-        mass: wp.array(dtype=real),
-        steps: wp.array(dtype=wp.int32),
+        particles: wp.array(dtype=wp.int32),  # particles of the region, [k]
+        dt: wp.float64,  # time step [s]
+        acceleration: vec,  # load per mass [m/s^2]
+        frequency: wp.float64,  # frequency f, 0 for none [Hz]
+        phase: wp.float64,  # phase [rad]
+        mass: wp.array(dtype=real),  # masses [kg], [n]
+        # State in:
+        steps: wp.array(dtype=wp.int32),  # number of steps done, [1]
         # State in and out:
-        force: wp.array(dtype=vec),
+        force: wp.array(dtype=vec),  # total forces [N], [n]
     ):
         """f_i += m_i a sin(2 pi f t + p), the share of a load in proportion to mass; a alone where f = 0."""
         i = particles[wp.tid()]
@@ -128,19 +129,19 @@ def boundary_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def load_work(
         # Model:
-        particles: wp.array(dtype=wp.int32),
-        dt: wp.float64,
-        weight: wp.float64,
-        acceleration: vec,
-        frequency: wp.float64,
-        phase: wp.float64,
-        mass: wp.array(dtype=real),
-        steps: wp.array(dtype=wp.int32),
+        particles: wp.array(dtype=wp.int32),  # particles of the region, [k]
+        dt: wp.float64,  # time step [s]
+        weight: wp.float64,  # dt, or 0 at the start [s]
+        acceleration: vec,  # load per mass [m/s^2]
+        frequency: wp.float64,  # frequency f, 0 for none [Hz]
+        phase: wp.float64,  # phase [rad]
+        mass: wp.array(dtype=real),  # masses [kg], [n]
         # State in:
-        v: wp.array(dtype=vec),
+        steps: wp.array(dtype=wp.int32),  # number of steps done, [1]
+        v: wp.array(dtype=vec),  # velocities [m/s], [n]
         # State in and out:
-        power: wp.array(dtype=real),
-        work: wp.array(dtype=wp.float64),
+        power: wp.array(dtype=real),  # power of the load at the last step [W], [k]
+        work: wp.array(dtype=wp.float64),  # work so far [J], [k]
     ):
         """Work of a load, W += dt/2 (P^n + P^(n+1)) with its power P = f . v; `weight` is dt, or 0 at the start."""
         k = wp.tid()

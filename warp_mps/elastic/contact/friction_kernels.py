@@ -51,30 +51,30 @@ def friction_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def update_slip(
         # Model:
-        per_thread: wp.int32,
-        reference: wp.array(dtype=vec),
-        spacing: wp.array(dtype=real),
-        group: wp.array(dtype=wp.int32),
-        stiffness: wp.array(dtype=real),
-        softest: wp.array(dtype=real),
-        spring_stiffness: wp.array(dtype=real, ndim=2),
-        friction: wp.array(dtype=real, ndim=2),
-        start: wp.array(dtype=wp.int32),
-        listed: wp.array(dtype=wp.int32),
-        faces: wp.array(dtype=wp.int32),
-        facing: wp.array(dtype=wp.int32, ndim=2),
-        end: wp.array(dtype=wp.int32, ndim=2),
+        per_thread: wp.int32,  # particles of one thread
+        reference: wp.array(dtype=vec),  # reference positions X_i [m], [n]
+        spacing: wp.array(dtype=real),  # particle spacings [m], [n]
+        group: wp.array(dtype=wp.int32),  # group of bodies of each particle, [n]
+        stiffness: wp.array(dtype=real),  # Young's moduli [Pa], [n]
+        softest: wp.array(dtype=real),  # least modulus of each group [Pa], [groups]
+        spring_stiffness: wp.array(dtype=real, ndim=2),  # k over the least modulus [m^(d-2)], [groups, groups]
+        friction: wp.array(dtype=real, ndim=2),  # coefficients of friction of two groups [-], [groups, groups]
+        start: wp.array(dtype=wp.int32),  # first place of each row of candidates, [n + 1]
+        listed: wp.array(dtype=wp.int32),  # candidates, sorted by group, [entries]
+        faces: wp.array(dtype=wp.int32),  # number of groups near each particle, [n]
+        facing: wp.array(dtype=wp.int32, ndim=2),  # these groups, [n, faces]
+        end: wp.array(dtype=wp.int32, ndim=2),  # one past the last candidate of each, [n, faces]
         # State in:
-        u: wp.array(dtype=vec),
-        u_before: wp.array(dtype=vec),
-        slope: wp.array(dtype=real, ndim=2),
+        u: wp.array(dtype=vec),  # displacements u [m], [n]
+        u_before: wp.array(dtype=vec),  # displacements of the last step [m], [n]
+        slope: wp.array(dtype=real, ndim=2),  # g_iB w_iB of each group [J], [n, faces]
         # State in and out:
-        slip_group: wp.array(dtype=wp.int32, ndim=2),
-        slip: wp.array(dtype=vec, ndim=2),
+        slip_group: wp.array(dtype=wp.int32, ndim=2),  # group + 1 of each slip, 0 for none, [n, faces]
+        slip: wp.array(dtype=vec, ndim=2),  # slips [m], [n, faces]
         # State out:
-        pull_out: wp.array(dtype=vec, ndim=2),
-        mean_out: wp.array(dtype=real, ndim=2),
-        stored_out: wp.array(dtype=real),
+        pull_out: wp.array(dtype=vec, ndim=2),  # a / sum_j W [N/m^2], [n, faces]
+        mean_out: wp.array(dtype=real, ndim=2),  # a . mean / sum_j W [N/m], [n, faces]
+        stored_out: wp.array(dtype=real),  # energies of the springs [J], [n]
     ):
         """Update the slip of every face, and find a / sum_j W and a . mean / sum_j W of its friction.
 
@@ -160,27 +160,27 @@ def friction_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def add_friction(
         # Model:
-        per_thread: wp.int32,
-        reference: wp.array(dtype=vec),
-        spacing: wp.array(dtype=real),
-        group: wp.array(dtype=wp.int32),
-        start: wp.array(dtype=wp.int32),
-        listed: wp.array(dtype=wp.int32),
-        faces: wp.array(dtype=wp.int32),
-        facing: wp.array(dtype=wp.int32, ndim=2),
-        end: wp.array(dtype=wp.int32, ndim=2),
+        per_thread: wp.int32,  # particles of one thread
+        reference: wp.array(dtype=vec),  # reference positions X_i [m], [n]
+        spacing: wp.array(dtype=real),  # particle spacings [m], [n]
+        group: wp.array(dtype=wp.int32),  # group of bodies of each particle, [n]
+        start: wp.array(dtype=wp.int32),  # first place of each row of candidates, [n + 1]
+        listed: wp.array(dtype=wp.int32),  # candidates, sorted by group, [entries]
+        faces: wp.array(dtype=wp.int32),  # number of groups near each particle, [n]
+        facing: wp.array(dtype=wp.int32, ndim=2),  # these groups, [n, faces]
+        end: wp.array(dtype=wp.int32, ndim=2),  # one past the last candidate of each, [n, faces]
         # State in:
-        u: wp.array(dtype=vec),
-        pull: wp.array(dtype=vec, ndim=2),
-        mean: wp.array(dtype=real, ndim=2),
-        stored: wp.array(dtype=real),
+        u: wp.array(dtype=vec),  # displacements u [m], [n]
+        pull: wp.array(dtype=vec, ndim=2),  # a / sum_j W [N/m^2], [n, faces]
+        mean: wp.array(dtype=real, ndim=2),  # a . mean / sum_j W [N/m], [n, faces]
+        stored: wp.array(dtype=real),  # energies of the springs [J], [n]
         # State in and out:
-        u_before: wp.array(dtype=vec),
-        stored_before: wp.array(dtype=real),
-        friction_before: wp.array(dtype=vec),
-        contact: wp.array(dtype=vec),
-        force: wp.array(dtype=vec),
-        dissipated: wp.array(dtype=wp.float64),
+        u_before: wp.array(dtype=vec),  # displacements of the last step [m], [n]
+        stored_before: wp.array(dtype=real),  # energies of the springs at the last step [J], [n]
+        friction_before: wp.array(dtype=vec),  # friction at the last step [N], [n]
+        contact: wp.array(dtype=vec),  # contact forces [N], [n]
+        force: wp.array(dtype=vec),  # total forces [N], [n]
+        dissipated: wp.array(dtype=wp.float64),  # energy dissipated so far [J], [n]
     ):
         """Add the friction f_i = sum_j (f_ij - f_ji) to the contact forces, and the energy that it dissipates.
 
@@ -213,9 +213,9 @@ def friction_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def add_stored_energy(
         # State in:
-        stored: wp.array(dtype=real),
+        stored: wp.array(dtype=real),  # energies of the springs [J], [n]
         # State in and out:
-        energy: wp.array(dtype=real),
+        energy: wp.array(dtype=real),  # contact energies [J], [n]
     ):
         """Add the energy 1/2 k |slip|^2 of the springs of sticking faces."""
         i = wp.tid()

@@ -55,24 +55,24 @@ def contact_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def contact_density(
         # Model:
-        per_thread: wp.int32,
-        reference: wp.array(dtype=vec),
-        spacing: wp.array(dtype=real),
-        group: wp.array(dtype=wp.int32),
-        stiffness: wp.array(dtype=real),
-        softest: wp.array(dtype=real),
-        weights: wp.array(dtype=real, ndim=2),
-        scales: wp.array(dtype=real, ndim=2),
-        start: wp.array(dtype=wp.int32),
-        listed: wp.array(dtype=wp.int32),
-        faces: wp.array(dtype=wp.int32),
-        facing: wp.array(dtype=wp.int32, ndim=2),
-        end: wp.array(dtype=wp.int32, ndim=2),
+        per_thread: wp.int32,  # particles of one thread
+        reference: wp.array(dtype=vec),  # reference positions X_i [m], [n]
+        spacing: wp.array(dtype=real),  # particle spacings [m], [n]
+        group: wp.array(dtype=wp.int32),  # group of bodies of each particle, [n]
+        stiffness: wp.array(dtype=real),  # Young's moduli [Pa], [n]
+        softest: wp.array(dtype=real),  # least modulus of each group [Pa], [groups]
+        weights: wp.array(dtype=real, ndim=2),  # w of two groups [-], [groups, groups]
+        scales: wp.array(dtype=real, ndim=2),  # k over the least modulus [m^d], [groups, groups]
+        start: wp.array(dtype=wp.int32),  # first place of each row of candidates, [n + 1]
+        listed: wp.array(dtype=wp.int32),  # candidates, sorted by group, [entries]
+        faces: wp.array(dtype=wp.int32),  # number of groups near each particle, [n]
+        facing: wp.array(dtype=wp.int32, ndim=2),  # these groups, [n, faces]
+        end: wp.array(dtype=wp.int32, ndim=2),  # one past the last candidate of each, [n, faces]
         # State in:
-        u: wp.array(dtype=vec),
+        u: wp.array(dtype=vec),  # displacements u [m], [n]
         # State out:
-        slope_out: wp.array(dtype=real, ndim=2),
-        energy_out: wp.array(dtype=real),
+        slope_out: wp.array(dtype=real, ndim=2),  # g_iB w_iB of each group [J], [n, faces]
+        energy_out: wp.array(dtype=real),  # contact energies [J], [n]
     ):
         """g_iB w_iB of every group B that a particle faces, and the energy sum_B 1/2 g_iB (q_iB - 1)."""
         for i in range(wp.tid() * per_thread, wp.min((wp.tid() + 1) * per_thread, start.shape[0] - 1)):
@@ -98,23 +98,23 @@ def contact_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def force(
         # Model:
-        per_thread: wp.int32,
-        reference: wp.array(dtype=vec),
-        spacing: wp.array(dtype=real),
-        group: wp.array(dtype=wp.int32),
-        start: wp.array(dtype=wp.int32),
-        listed: wp.array(dtype=wp.int32),
-        faces: wp.array(dtype=wp.int32),
-        facing: wp.array(dtype=wp.int32, ndim=2),
-        end: wp.array(dtype=wp.int32, ndim=2),
+        per_thread: wp.int32,  # particles of one thread
+        reference: wp.array(dtype=vec),  # reference positions X_i [m], [n]
+        spacing: wp.array(dtype=real),  # particle spacings [m], [n]
+        group: wp.array(dtype=wp.int32),  # group of bodies of each particle, [n]
+        start: wp.array(dtype=wp.int32),  # first place of each row of candidates, [n + 1]
+        listed: wp.array(dtype=wp.int32),  # candidates, sorted by group, [entries]
+        faces: wp.array(dtype=wp.int32),  # number of groups near each particle, [n]
+        facing: wp.array(dtype=wp.int32, ndim=2),  # these groups, [n, faces]
+        end: wp.array(dtype=wp.int32, ndim=2),  # one past the last candidate of each, [n, faces]
         # State in:
-        u: wp.array(dtype=vec),
-        slope: wp.array(dtype=real, ndim=2),
-        stored: wp.array(dtype=real),
+        u: wp.array(dtype=vec),  # displacements u [m], [n]
+        slope: wp.array(dtype=real, ndim=2),  # g_iB w_iB of each group [J], [n, faces]
+        stored: wp.array(dtype=real),  # contact energies [J], [n]
         # State in and out:
-        total_force: wp.array(dtype=vec),
+        total_force: wp.array(dtype=vec),  # total forces [N], [n]
         # State out:
-        contact_out: wp.array(dtype=vec),
+        contact_out: wp.array(dtype=vec),  # contact forces [N], [n]
     ):
         """Contact force sum_j f_ij of a particle, also added to its total force."""
         for i in range(wp.tid() * per_thread, wp.min((wp.tid() + 1) * per_thread, start.shape[0] - 1)):

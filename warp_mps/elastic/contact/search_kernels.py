@@ -34,14 +34,14 @@ def search_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def locate(
         # Model:
-        reference: wp.array(dtype=vec),
-        margin: real,
+        reference: wp.array(dtype=vec),  # reference positions X_i [m], [n]
+        margin: real,  # margin of the list beyond the support [m]
         # State in:
-        u: wp.array(dtype=vec),
-        u_listed: wp.array(dtype=vec),
+        u: wp.array(dtype=vec),  # displacements u [m], [n]
+        u_listed: wp.array(dtype=vec),  # displacements that the list was made at [m], [n]
         # State out:
-        points_out: wp.array(dtype=vec3),
-        stale_out: wp.array(dtype=wp.int32),
+        points_out: wp.array(dtype=vec3),  # positions [m], [n]
+        stale_out: wp.array(dtype=wp.int32),  # 1 if the list must be renewed, else 0, [1]
     ):
         """Positions x = X + u for the grid, and whether any |u - u_listed| exceeds half of the margin."""
         i = wp.tid()
@@ -57,12 +57,12 @@ def search_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def chunk_boxes(
         # Model:
-        chunks: wp.array(dtype=wp.vec2i),
+        chunks: wp.array(dtype=wp.vec2i),  # first particle of each chunk and one past its last, [chunks]
         # State in:
-        points: wp.array(dtype=vec3),
+        points: wp.array(dtype=vec3),  # positions [m], [n]
         # State out:
-        low_out: wp.array(dtype=vec3),
-        high_out: wp.array(dtype=vec3),
+        low_out: wp.array(dtype=vec3),  # lowest corners [m], [boxes]
+        high_out: wp.array(dtype=vec3),  # highest corners [m], [boxes]
     ):
         """Bounding box of the particles of a chunk of a body: min_i x_i and max_i x_i."""
         c = wp.tid()
@@ -77,13 +77,13 @@ def search_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def body_boxes(
         # Model:
-        first: wp.array(dtype=wp.int32),
+        first: wp.array(dtype=wp.int32),  # first chunk of each body, [bodies + 1]
         # State in:
-        low: wp.array(dtype=vec3),
-        high: wp.array(dtype=vec3),
+        low: wp.array(dtype=vec3),  # lowest corners [m], [boxes]
+        high: wp.array(dtype=vec3),  # highest corners [m], [boxes]
         # State out:
-        low_out: wp.array(dtype=vec3),
-        high_out: wp.array(dtype=vec3),
+        low_out: wp.array(dtype=vec3),  # lowest corners [m], [boxes]
+        high_out: wp.array(dtype=vec3),  # highest corners [m], [boxes]
     ):
         """Bounding box of a body: the union of those of its chunks."""
         b = wp.tid()
@@ -131,29 +131,29 @@ def search_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def candidates(
         # Model:
-        grid: wp.uint64,
-        reach: real,
-        margin: real,
-        low: wp.array(dtype=vec3),
-        high: wp.array(dtype=vec3),
-        box_group: wp.array(dtype=wp.int32),
-        spacing: wp.array(dtype=real),
-        reference: wp.array(dtype=vec),
-        group: wp.array(dtype=wp.int32),
-        apart: wp.array(dtype=real),
-        within_group: wp.int32,
-        start: wp.array(dtype=wp.int32),
+        grid: wp.uint64,  # hash grid of the particles
+        reach: real,  # largest distance of a candidate [m]
+        margin: real,  # margin of the list beyond the support [m]
+        low: wp.array(dtype=vec3),  # lowest corners [m], [boxes]
+        high: wp.array(dtype=vec3),  # highest corners [m], [boxes]
+        box_group: wp.array(dtype=wp.int32),  # group of each body, [bodies]
+        spacing: wp.array(dtype=real),  # particle spacings [m], [n]
+        reference: wp.array(dtype=vec),  # reference positions X_i [m], [n]
+        group: wp.array(dtype=wp.int32),  # group of bodies of each particle, [n]
+        apart: wp.array(dtype=real),  # least reference distance in a group, infinite for walls [m], [n]
+        within_group: wp.int32,  # 1 for self-contact, else 0
+        start: wp.array(dtype=wp.int32),  # first place of each row of candidates, [n + 1]
         # State in:
-        points: wp.array(dtype=vec3),
-        u: wp.array(dtype=vec),
+        points: wp.array(dtype=vec3),  # positions [m], [n]
+        u: wp.array(dtype=vec),  # displacements u [m], [n]
         # State out:
-        listed_out: wp.array(dtype=wp.int32),
-        faces_out: wp.array(dtype=wp.int32),
-        facing_out: wp.array(dtype=wp.int32, ndim=2),
-        end_out: wp.array(dtype=wp.int32, ndim=2),
-        u_listed_out: wp.array(dtype=vec),
-        stale_out: wp.array(dtype=wp.int32),
-        overflow_out: wp.array(dtype=wp.int32),
+        listed_out: wp.array(dtype=wp.int32),  # candidates, sorted by group, [entries]
+        faces_out: wp.array(dtype=wp.int32),  # number of groups near each particle, [n]
+        facing_out: wp.array(dtype=wp.int32, ndim=2),  # these groups, [n, faces]
+        end_out: wp.array(dtype=wp.int32, ndim=2),  # one past the last candidate of each, [n, faces]
+        u_listed_out: wp.array(dtype=vec),  # displacements that the list is made at [m], [n]
+        stale_out: wp.array(dtype=wp.int32),  # 1 if the list must be renewed, else 0, [1]
+        overflow_out: wp.array(dtype=wp.int32),  # number + 1 of a particle without room, [1]
     ):
         """Candidates j with |x_ij| < margin + support, sorted, so that sums do not depend on the age of the list.
 

@@ -47,25 +47,25 @@ def viscous_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def viscous_stress(
         # Model:
-        first: wp.int32,
-        dt: real,
-        start: wp.array(dtype=wp.int32),
-        index: wp.array(dtype=wp.int32),
-        bond: wp.array(dtype=vec),
-        weight: wp.array(dtype=real),
-        inverse_shape: wp.array(dtype=mat),
-        volume: wp.array(dtype=real),
-        tau_lame: wp.array(dtype=real),
-        tau_mu: wp.array(dtype=real),
-        tau_kappa: wp.array(dtype=real),
+        first: wp.int32,  # first particle of this launch
+        dt: real,  # time step [s]
+        start: wp.array(dtype=wp.int32),  # first pair of each particle, [n + 1]
+        index: wp.array(dtype=wp.int32),  # neighbour j of each pair, [pairs]
+        bond: wp.array(dtype=vec),  # reference vectors X_ij [m], [pairs]
+        weight: wp.array(dtype=real),  # weights omega_ij [1/m^2], [pairs]
+        inverse_shape: wp.array(dtype=mat),  # A_i^-1 [-], [n]
+        volume: wp.array(dtype=real),  # reference volumes V_i [m^d], [n]
+        tau_lame: wp.array(dtype=real),  # tau lambda [Pa s], [n]
+        tau_mu: wp.array(dtype=real),  # tau mu [Pa s], [n]
+        tau_kappa: wp.array(dtype=real),  # tau kappa_i [N m s], [n]
         # State in:
-        gradient: wp.array(dtype=mat),
-        u: wp.array(dtype=vec),
-        v: wp.array(dtype=vec),
+        gradient: wp.array(dtype=mat),  # displacement gradients H_i [-], [n]
+        u: wp.array(dtype=vec),  # displacements u [m], [n]
+        v: wp.array(dtype=vec),  # velocities [m/s], [n]
         # State out:
-        stiffness_out: wp.array(dtype=mat),
-        damping_out: wp.array(dtype=mat),
-        pull_out: wp.array(dtype=mat),
+        stiffness_out: wp.array(dtype=mat),  # tau kappa_i G_i [N m], [n]
+        damping_out: wp.array(dtype=mat),  # tau kappa_i N_i [N m s], [n]
+        pull_out: wp.array(dtype=mat),  # D_i less the control's part [N m], [n]
     ):
         """G_i, N_i and D_i - G_i H_i - N_i F'_i, times tau kappa_i and with A_i^-1 as in the module's docstring."""
         i = first + wp.tid()
@@ -101,22 +101,22 @@ def viscous_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def viscous_force(
         # Model:
-        first: wp.int32,
-        start: wp.array(dtype=wp.int32),
-        index: wp.array(dtype=wp.int32),
-        bond: wp.array(dtype=vec),
-        weight: wp.array(dtype=real),
+        first: wp.int32,  # first particle of this launch
+        start: wp.array(dtype=wp.int32),  # first pair of each particle, [n + 1]
+        index: wp.array(dtype=wp.int32),  # neighbour j of each pair, [pairs]
+        bond: wp.array(dtype=vec),  # reference vectors X_ij [m], [pairs]
+        weight: wp.array(dtype=real),  # weights omega_ij [1/m^2], [pairs]
         # State in:
-        u: wp.array(dtype=vec),
-        v: wp.array(dtype=vec),
-        stiffness: wp.array(dtype=mat),
-        damping: wp.array(dtype=mat),
-        pull: wp.array(dtype=mat),
+        u: wp.array(dtype=vec),  # displacements u [m], [n]
+        v: wp.array(dtype=vec),  # velocities [m/s], [n]
+        stiffness: wp.array(dtype=mat),  # tau kappa_i G_i [N m], [n]
+        damping: wp.array(dtype=mat),  # tau kappa_i N_i [N m s], [n]
+        pull: wp.array(dtype=mat),  # D_i less the control's part [N m], [n]
         # State in and out:
-        u_before: wp.array(dtype=vec),
-        viscous: wp.array(dtype=vec),
-        force: wp.array(dtype=vec),
-        dissipated: wp.array(dtype=wp.float64),
+        u_before: wp.array(dtype=vec),  # displacements of the last step [m], [n]
+        viscous: wp.array(dtype=vec),  # viscous forces of the last step, then of this one [N], [n]
+        force: wp.array(dtype=vec),  # total forces [N], [n]
+        dissipated: wp.array(dtype=wp.float64),  # energy dissipated so far [J], [n]
     ):
         """Add the viscous force f_i, and the energy -1/2 (f^n + f^(n+1)) . du that it dissipates.
 

@@ -27,13 +27,14 @@ def motion_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def drift(
         # Model:
-        first: wp.int32,
-        dt: real,
-        inverse_mass: wp.array(dtype=vec),
-        force: wp.array(dtype=vec),
+        first: wp.int32,  # first particle of this launch
+        dt: real,  # time step [s]
+        inverse_mass: wp.array(dtype=vec),  # inverse masses, 0 on held axes [1/kg], [n]
+        # State in:
+        force: wp.array(dtype=vec),  # total forces of the last step [N], [n]
         # State in and out:
-        u: wp.array(dtype=vec),
-        v: wp.array(dtype=vec),
+        u: wp.array(dtype=vec),  # displacements u [m], [n]
+        v: wp.array(dtype=vec),  # velocities [m/s], [n]
     ):
         """Half a kick with the forces of the last step, v += dt/2 f/m, then the drift u += dt v."""
         i = first + wp.tid()
@@ -44,14 +45,14 @@ def motion_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def kick(
         # Model:
-        first: wp.int32,
-        dt: real,
-        gravity: vec,
-        mass: wp.array(dtype=real),
-        inverse_mass: wp.array(dtype=vec),
+        first: wp.int32,  # first particle of this launch
+        dt: real,  # time step [s]
+        gravity: vec,  # acceleration of gravity [m/s^2]
+        mass: wp.array(dtype=real),  # masses [kg], [n]
+        inverse_mass: wp.array(dtype=vec),  # inverse masses, 0 on held axes [1/kg], [n]
         # State in and out:
-        force: wp.array(dtype=vec),
-        v: wp.array(dtype=vec),
+        force: wp.array(dtype=vec),  # total forces [N], [n]
+        v: wp.array(dtype=vec),  # velocities [m/s], [n]
     ):
         """Add the weight m g, which completes the force, then the second half of the kick, v += dt/2 f/m."""
         i = first + wp.tid()
@@ -62,12 +63,12 @@ def motion_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def damp(
         # Model:
-        factor: wp.float64,
-        mass: wp.array(dtype=real),
-        inverse_mass: wp.array(dtype=vec),
+        factor: wp.float64,  # exp(-damping dt/2) [-]
+        mass: wp.array(dtype=real),  # masses [kg], [n]
+        inverse_mass: wp.array(dtype=vec),  # inverse masses, 0 on held axes [1/kg], [n]
         # State in and out:
-        v: wp.array(dtype=vec),
-        dissipated: wp.array(dtype=wp.float64),
+        v: wp.array(dtype=vec),  # velocities [m/s], [n]
+        dissipated: wp.array(dtype=wp.float64),  # energy dissipated so far [J], [n]
     ):
         """Mass-proportional damping over half a step, exact: v *= exp(-damping dt/2); held axes are left out."""
         i = wp.tid()
@@ -85,16 +86,16 @@ def motion_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def add_lagged_damping(
         # Model:
-        first: wp.int32,
-        dt: real,
-        factor: real,
+        first: wp.int32,  # first particle of this launch
+        dt: real,  # time step [s]
+        factor: real,  # tau/dt [-]
         # State in:
-        v: wp.array(dtype=vec),
+        v: wp.array(dtype=vec),  # velocities [m/s], [n]
         # State in and out:
-        elastic_before: wp.array(dtype=vec),
-        viscous_before: wp.array(dtype=vec),
-        force: wp.array(dtype=vec),
-        dissipated: wp.array(dtype=wp.float64),
+        elastic_before: wp.array(dtype=vec),  # elastic forces of the last step [N], [n]
+        viscous_before: wp.array(dtype=vec),  # viscous forces of the last step [N], [n]
+        force: wp.array(dtype=vec),  # elastic forces, then with viscous ones [N], [n]
+        dissipated: wp.array(dtype=wp.float64),  # energy dissipated so far [J], [n]
     ):
         """Add the viscous force f_v = `factor` (f^n - f^(n-1)), with the elastic forces f and the factor tau/dt.
 
@@ -112,9 +113,9 @@ def motion_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def add_force(
         # State in:
-        external: wp.array(dtype=vec),
+        external: wp.array(dtype=vec),  # forces to add [N], [n]
         # State in and out:
-        force: wp.array(dtype=vec),
+        force: wp.array(dtype=vec),  # total forces [N], [n]
     ):
         """Add external forces, f += f_ext."""
         i = wp.tid()
@@ -123,7 +124,7 @@ def motion_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def count_step(
         # State in and out:
-        steps: wp.array(dtype=wp.int32),
+        steps: wp.array(dtype=wp.int32),  # number of steps done, [1]
     ):
         """Count a step: the time is t = n dt, so that rounding does not accumulate."""
         steps[0] = steps[0] + 1

@@ -54,16 +54,16 @@ def hamiltonian_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def shapes(
         # Model:
-        start: wp.array(dtype=wp.int32),
-        index: wp.array(dtype=wp.int32),
-        reference: wp.array(dtype=vec64),
-        radius: wp.array(dtype=wp.float64),
+        start: wp.array(dtype=wp.int32),  # first pair of each particle, [n + 1]
+        index: wp.array(dtype=wp.int32),  # neighbour j of each pair, [pairs]
+        reference: wp.array(dtype=vec64),  # reference positions X_i [m], [n]
+        radius: wp.array(dtype=wp.float64),  # effective radii r_e [m], [n]
         # Model out:
-        bond_out: wp.array(dtype=vec),
-        weight_out: wp.array(dtype=real),
-        inverse_shape_out: wp.array(dtype=mat),
-        density_out: wp.array(dtype=wp.float64),
-        condition_out: wp.array(dtype=wp.float64),
+        bond_out: wp.array(dtype=vec),  # reference vectors X_ij [m], [pairs]
+        weight_out: wp.array(dtype=real),  # weights omega_ij [1/m^2], [pairs]
+        inverse_shape_out: wp.array(dtype=mat),  # A_i^-1 [-], [n]
+        density_out: wp.array(dtype=wp.float64),  # number densities n_i [-], [n]
+        condition_out: wp.array(dtype=wp.float64),  # det(d A_i / n_i) [-], [n]
     ):
         """X_ij and omega_ij of every pair, A_i^-1 and n_i, and det(d A_i / n_i), which is 0 in a flat neighbourhood."""
         i = wp.tid()
@@ -90,23 +90,23 @@ def hamiltonian_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def stress(
         # Model:
-        first: wp.int32,
-        start: wp.array(dtype=wp.int32),
-        index: wp.array(dtype=wp.int32),
-        bond: wp.array(dtype=vec),
-        weight: wp.array(dtype=real),
-        inverse_shape: wp.array(dtype=mat),
-        volume: wp.array(dtype=real),
-        kappa: wp.array(dtype=real),
-        law: wp.array(dtype=wp.int32),
-        lame: wp.array(dtype=real),
-        mu: wp.array(dtype=real),
-        plane_stress: wp.int32,
+        first: wp.int32,  # first particle of this launch
+        start: wp.array(dtype=wp.int32),  # first pair of each particle, [n + 1]
+        index: wp.array(dtype=wp.int32),  # neighbour j of each pair, [pairs]
+        bond: wp.array(dtype=vec),  # reference vectors X_ij [m], [pairs]
+        weight: wp.array(dtype=real),  # weights omega_ij [1/m^2], [pairs]
+        inverse_shape: wp.array(dtype=mat),  # A_i^-1 [-], [n]
+        volume: wp.array(dtype=real),  # reference volumes V_i [m^d], [n]
+        kappa: wp.array(dtype=real),  # stiffness kappa_i of the hourglass control [N m], [n]
+        law: wp.array(dtype=wp.int32),  # 0 for St. Venant-Kirchhoff, 1 for neo-Hookean, [n]
+        lame: wp.array(dtype=real),  # Lame's constant lambda [Pa], [n]
+        mu: wp.array(dtype=real),  # Lame's constant mu [Pa], [n]
+        plane_stress: wp.int32,  # 1 for plane stress, else 0
         # State in:
-        u: wp.array(dtype=vec),
+        u: wp.array(dtype=vec),  # displacements u [m], [n]
         # State out:
-        gradient_out: wp.array(dtype=mat),
-        pull_out: wp.array(dtype=mat),
+        gradient_out: wp.array(dtype=mat),  # displacement gradients H_i [-], [n]
+        pull_out: wp.array(dtype=mat),  # B_i [N m], [n]
     ):
         """Displacement gradient H_i and B_i = V_i P_i A_i^-1 - kappa_i H_i."""
         i = first + wp.tid()
@@ -120,17 +120,17 @@ def hamiltonian_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def force(
         # Model:
-        first: wp.int32,
-        start: wp.array(dtype=wp.int32),
-        index: wp.array(dtype=wp.int32),
-        bond: wp.array(dtype=vec),
-        weight: wp.array(dtype=real),
-        kappa: wp.array(dtype=real),
+        first: wp.int32,  # first particle of this launch
+        start: wp.array(dtype=wp.int32),  # first pair of each particle, [n + 1]
+        index: wp.array(dtype=wp.int32),  # neighbour j of each pair, [pairs]
+        bond: wp.array(dtype=vec),  # reference vectors X_ij [m], [pairs]
+        weight: wp.array(dtype=real),  # weights omega_ij [1/m^2], [pairs]
+        kappa: wp.array(dtype=real),  # stiffness kappa_i of the hourglass control [N m], [n]
         # State in:
-        u: wp.array(dtype=vec),
-        pull: wp.array(dtype=mat),
+        u: wp.array(dtype=vec),  # displacements u [m], [n]
+        pull: wp.array(dtype=mat),  # B_i [N m], [n]
         # State out:
-        force_out: wp.array(dtype=vec),
+        force_out: wp.array(dtype=vec),  # forces [N], [n]
     ):
         """Force f_i = sum_j omega_ij [(B_i + B_j) X_ij + (kappa_i + kappa_j) u_ij]."""
         i = first + wp.tid()
@@ -139,21 +139,21 @@ def hamiltonian_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def energy(
         # Model:
-        start: wp.array(dtype=wp.int32),
-        index: wp.array(dtype=wp.int32),
-        bond: wp.array(dtype=vec),
-        weight: wp.array(dtype=real),
-        volume: wp.array(dtype=real),
-        kappa: wp.array(dtype=real),
-        law: wp.array(dtype=wp.int32),
-        lame: wp.array(dtype=real),
-        mu: wp.array(dtype=real),
-        plane_stress: wp.int32,
+        start: wp.array(dtype=wp.int32),  # first pair of each particle, [n + 1]
+        index: wp.array(dtype=wp.int32),  # neighbour j of each pair, [pairs]
+        bond: wp.array(dtype=vec),  # reference vectors X_ij [m], [pairs]
+        weight: wp.array(dtype=real),  # weights omega_ij [1/m^2], [pairs]
+        volume: wp.array(dtype=real),  # reference volumes V_i [m^d], [n]
+        kappa: wp.array(dtype=real),  # stiffness kappa_i of the hourglass control [N m], [n]
+        law: wp.array(dtype=wp.int32),  # 0 for St. Venant-Kirchhoff, 1 for neo-Hookean, [n]
+        lame: wp.array(dtype=real),  # Lame's constant lambda [Pa], [n]
+        mu: wp.array(dtype=real),  # Lame's constant mu [Pa], [n]
+        plane_stress: wp.int32,  # 1 for plane stress, else 0
         # State in:
-        u: wp.array(dtype=vec),
-        gradient: wp.array(dtype=mat),
+        u: wp.array(dtype=vec),  # displacements u [m], [n]
+        gradient: wp.array(dtype=mat),  # displacement gradients H_i [-], [n]
         # State out:
-        energy_out: wp.array(dtype=real),
+        energy_out: wp.array(dtype=real),  # energies [J], [n]
     ):
         """Elastic energy V_i psi(F_i) + sum_j 1/2 kappa_i omega_ij |e_ij|^2 of each particle."""
         i = wp.tid()

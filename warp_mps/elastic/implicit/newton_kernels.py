@@ -30,19 +30,19 @@ def newton_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def residual(
         # Model:
-        free: wp.array(dtype=vec),
-        mass: wp.array(dtype=real),
-        inertia: wp.array(dtype=wp.float64),
+        free: wp.array(dtype=vec),  # 1 on free axes, 0 on held ones, [n]
+        mass: wp.array(dtype=real),  # masses [kg], [n]
+        inertia: wp.array(dtype=wp.float64),  # inertia a of the step, 0 in statics [1/s^2], [1]
         # State in:
-        u: wp.array(dtype=vec),
-        center: wp.array(dtype=vec),
-        force: wp.array(dtype=vec),
-        applied: wp.array(dtype=vec),
-        energy: wp.array(dtype=real),
+        u: wp.array(dtype=vec),  # displacements u [m], [n]
+        center: wp.array(dtype=vec),  # places c [m], [n]
+        force: wp.array(dtype=vec),  # elastic forces [N], [n]
+        applied: wp.array(dtype=vec),  # applied forces f [N], [n]
+        energy: wp.array(dtype=real),  # elastic energies [J], [n]
         # State out:
-        residual_out: wp.array(dtype=vec64),
-        scale_out: wp.array(dtype=vec64),
-        potential_out: wp.array(dtype=wp.float64),
+        residual_out: wp.array(dtype=vec64),  # residual r [N], [n]
+        scale_out: wp.array(dtype=vec64),  # scale of the residual [N], [n]
+        potential_out: wp.array(dtype=wp.float64),  # twice the potential [J], [n]
     ):
         """Residual r of free axes, potential Pi, and scale of r: applied forces, on held axes the elastic ones."""
         i = wp.tid()
@@ -63,12 +63,12 @@ def newton_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def jump(
         # Model:
-        free: wp.array(dtype=vec),
+        free: wp.array(dtype=vec),  # 1 on free axes, 0 on held ones, [n]
         # State in:
-        u: wp.array(dtype=vec),
-        target: wp.array(dtype=vec),
+        u: wp.array(dtype=vec),  # displacements u [m], [n]
+        target: wp.array(dtype=vec),  # target displacements of held axes [m], [n]
         # State out:
-        change_out: wp.array(dtype=vec64),
+        change_out: wp.array(dtype=vec64),  # changes du [m], [n]
     ):
         """Change of held axes to their target, u_target - u; 0 on free axes."""
         i = wp.tid()
@@ -81,13 +81,13 @@ def newton_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def right_hand_side(
         # Model:
-        free: wp.array(dtype=vec),
+        free: wp.array(dtype=vec),  # 1 on free axes, 0 on held ones, [n]
         # State in:
-        residual: wp.array(dtype=vec64),
-        pushed: wp.array(dtype=vec64),
+        residual: wp.array(dtype=vec64),  # residual r [N], [n]
+        pushed: wp.array(dtype=vec64),  # A du of the held axes [N], [n]
         # State out:
-        right_out: wp.array(dtype=vec64),
-        change_out: wp.array(dtype=vec64),
+        right_out: wp.array(dtype=vec64),  # right-hand side [N], [n]
+        change_out: wp.array(dtype=vec64),  # changes du [m], [n]
     ):
         """Right-hand side r - A du_held of the change of the free axes, and its initial guess 0."""
         i = wp.tid()
@@ -97,9 +97,9 @@ def newton_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def add_jump(
         # State in:
-        jump: wp.array(dtype=vec64),
+        jump: wp.array(dtype=vec64),  # changes of held axes [m], [n]
         # State in and out:
-        change: wp.array(dtype=vec64),
+        change: wp.array(dtype=vec64),  # changes du [m], [n]
     ):
         """Add the change of the held axes to that of the free ones."""
         i = wp.tid()
@@ -107,12 +107,13 @@ def newton_kernels(types: NumericTypes) -> SimpleNamespace:
 
     @types.kernel(METHOD)
     def trial(
-        step: wp.array(dtype=wp.float64),
+        # Model:
+        step: wp.array(dtype=wp.float64),  # length of the step of the line search [-], [1]
         # State in:
-        u_kept: wp.array(dtype=vec),
-        change: wp.array(dtype=vec64),
+        u_kept: wp.array(dtype=vec),  # displacements that it starts from [m], [n]
+        change: wp.array(dtype=vec64),  # changes du [m], [n]
         # State out:
-        u_out: wp.array(dtype=vec),
+        u_out: wp.array(dtype=vec),  # trial displacements [m], [n]
     ):
         """Trial displacements u = u_kept + step du of the line search."""
         i = wp.tid()
@@ -121,11 +122,11 @@ def newton_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def store_sums(
         # Model:
-        place: wp.int32,
+        place: wp.int32,  # where the sums are stored
         # State in:
-        sums: wp.array(dtype=wp.vec2d),
+        sums: wp.array(dtype=wp.vec2d),  # two sums, [1]
         # State out:
-        numbers_out: wp.array(dtype=wp.float64),
+        numbers_out: wp.array(dtype=wp.float64),  # values that the host reads, [NUMBERS]
     ):
         """Store two sums where the host reads them."""
         numbers_out[place] = sums[0][0]

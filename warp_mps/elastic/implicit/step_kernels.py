@@ -21,12 +21,12 @@ def step_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def scale_loads(
         # Model:
-        factor: wp.array(dtype=wp.float64),
-        load: wp.array(dtype=vec),
-        place: wp.array(dtype=vec),
+        factor: wp.array(dtype=wp.float64),  # load factor s [-], [1]
+        load: wp.array(dtype=vec),  # loads f [N], [n]
+        place: wp.array(dtype=vec),  # displacements u_end of held axes [m], [n]
         # State out:
-        applied_out: wp.array(dtype=vec),
-        target_out: wp.array(dtype=vec),
+        applied_out: wp.array(dtype=vec),  # applied forces [N], [n]
+        target_out: wp.array(dtype=vec),  # target displacements of held axes [m], [n]
     ):
         """Loads s f and target displacements s u_end of held axes at a load factor s."""
         i = wp.tid()
@@ -37,12 +37,12 @@ def step_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def extrapolate_increment(
         # Model:
-        part: wp.array(dtype=wp.float64),
-        free: wp.array(dtype=vec),
+        part: wp.array(dtype=wp.float64),  # share of the last increment [-], [1]
+        free: wp.array(dtype=vec),  # 1 on free axes, 0 on held ones, [n]
         # State in:
-        u_earlier: wp.array(dtype=vec),
+        u_earlier: wp.array(dtype=vec),  # displacements before the last increment [m], [n]
         # State in and out:
-        u: wp.array(dtype=vec),
+        u: wp.array(dtype=vec),  # displacements u [m], [n]
     ):
         """Initial guess u += part (u - u_earlier) on free axes: the last increment, continued."""
         i = wp.tid()
@@ -51,16 +51,16 @@ def step_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def static_work(
         # Model:
-        free: wp.array(dtype=vec),
+        free: wp.array(dtype=vec),  # 1 on free axes, 0 on held ones, [n]
         # State in:
-        u_before: wp.array(dtype=vec),
-        force_before: wp.array(dtype=vec),
-        applied_before: wp.array(dtype=vec),
-        u: wp.array(dtype=vec),
-        force: wp.array(dtype=vec),
-        applied: wp.array(dtype=vec),
+        u_before: wp.array(dtype=vec),  # displacements before the step [m], [n]
+        force_before: wp.array(dtype=vec),  # elastic forces before the step [N], [n]
+        applied_before: wp.array(dtype=vec),  # applied forces before the step [N], [n]
+        u: wp.array(dtype=vec),  # displacements u [m], [n]
+        force: wp.array(dtype=vec),  # elastic forces [N], [n]
+        applied: wp.array(dtype=vec),  # applied forces [N], [n]
         # State in and out:
-        work: wp.array(dtype=wp.float64),
+        work: wp.array(dtype=wp.float64),  # work so far [J], [n]
     ):
         """Work of an increment, W += 1/2 (f^n + f^(n+1)) . du: of loads, and of supports against the elastic forces."""
         i = wp.tid()
@@ -75,25 +75,25 @@ def step_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def assemble_step(
         # Model:
-        theta: wp.float64,
-        damping: wp.float64,
-        dt: wp.array(dtype=wp.float64),
-        gravity: vec,
-        mass: wp.array(dtype=real),
+        theta: wp.float64,  # theta of the rule [-]
+        damping: wp.float64,  # mass-proportional damping [1/s]
+        dt: wp.array(dtype=wp.float64),  # time step [s], [1]
+        gravity: vec,  # acceleration of gravity [m/s^2]
+        mass: wp.array(dtype=real),  # masses [kg], [n]
         # State in:
-        u: wp.array(dtype=vec),
-        v: wp.array(dtype=vec),
-        end: wp.array(dtype=vec),
-        load_before: wp.array(dtype=vec),
-        load: wp.array(dtype=vec),
-        external: wp.array(dtype=vec),
+        u: wp.array(dtype=vec),  # displacements u [m], [n]
+        v: wp.array(dtype=vec),  # velocities [m/s], [n]
+        end: wp.array(dtype=vec),  # displacements of held axes at the end of the step [m], [n]
+        load_before: wp.array(dtype=vec),  # loads at the start of the step [N], [n]
+        load: wp.array(dtype=vec),  # loads at the end of the step [N], [n]
+        external: wp.array(dtype=vec),  # external forces, constant over the step [N], [n]
         # State out:
-        inertia_out: wp.array(dtype=wp.float64),
-        u_before_out: wp.array(dtype=vec),
-        center_out: wp.array(dtype=vec),
-        target_out: wp.array(dtype=vec),
-        pushed_out: wp.array(dtype=vec),
-        applied_out: wp.array(dtype=vec),
+        inertia_out: wp.array(dtype=wp.float64),  # inertia a [1/s^2], [1]
+        u_before_out: wp.array(dtype=vec),  # displacements before the step [m], [n]
+        center_out: wp.array(dtype=vec),  # places c [m], [n]
+        target_out: wp.array(dtype=vec),  # target displacements of held axes [m], [n]
+        pushed_out: wp.array(dtype=vec),  # loads and external forces [N], [n]
+        applied_out: wp.array(dtype=vec),  # applied forces [N], [n]
     ):
         """The equation at t + theta dt: c, a, the target of held axes, and the applied forces."""
         i = wp.tid()
@@ -110,14 +110,14 @@ def step_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def initial_guess(
         # Model:
-        theta: wp.float64,
-        dt: wp.array(dtype=wp.float64),
-        free: wp.array(dtype=vec),
+        theta: wp.float64,  # theta of the rule [-]
+        dt: wp.array(dtype=wp.float64),  # time step [s], [1]
+        free: wp.array(dtype=vec),  # 1 on free axes, 0 on held ones, [n]
         # State in:
-        u_before: wp.array(dtype=vec),
-        velocity: wp.array(dtype=vec),
+        u_before: wp.array(dtype=vec),  # displacements before the step [m], [n]
+        velocity: wp.array(dtype=vec),  # mean velocities of the last step [m/s], [n]
         # State in and out:
-        u: wp.array(dtype=vec),
+        u: wp.array(dtype=vec),  # displacements u [m], [n]
     ):
         """Initial guess u = u_0 + theta dt v on free axes, with the mean velocity v of the last step."""
         i = wp.tid()
@@ -126,11 +126,11 @@ def step_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def mean_velocity(
         # State in:
-        dt: wp.array(dtype=wp.float64),
-        u_before: wp.array(dtype=vec),
-        u: wp.array(dtype=vec),
+        dt: wp.array(dtype=wp.float64),  # time step [s], [1]
+        u_before: wp.array(dtype=vec),  # displacements before the step [m], [n]
+        u: wp.array(dtype=vec),  # displacements u [m], [n]
         # State out:
-        velocity_out: wp.array(dtype=vec),
+        velocity_out: wp.array(dtype=vec),  # mean velocities [m/s], [n]
     ):
         """Mean velocity (u_1 - u_0)/dt over a step."""
         i = wp.tid()
@@ -139,23 +139,23 @@ def step_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def extrapolate(
         # Model:
-        theta: wp.float64,
-        damping: wp.float64,
-        dt: wp.array(dtype=wp.float64),
-        free: wp.array(dtype=vec),
-        mass: wp.array(dtype=real),
+        theta: wp.float64,  # theta of the rule [-]
+        damping: wp.float64,  # mass-proportional damping [1/s]
+        dt: wp.array(dtype=wp.float64),  # time step [s], [1]
+        free: wp.array(dtype=vec),  # 1 on free axes, 0 on held ones, [n]
+        mass: wp.array(dtype=real),  # masses [kg], [n]
         # State in:
-        u_before: wp.array(dtype=vec),
-        end: wp.array(dtype=vec),
-        end_speed: wp.array(dtype=vec),
-        force: wp.array(dtype=vec),
-        pushed: wp.array(dtype=vec),
-        applied: wp.array(dtype=vec),
+        u_before: wp.array(dtype=vec),  # displacements before the step [m], [n]
+        end: wp.array(dtype=vec),  # displacements of held axes at the end of the step [m], [n]
+        end_speed: wp.array(dtype=vec),  # velocities of held axes at the end of the step [m/s], [n]
+        force: wp.array(dtype=vec),  # elastic forces [N], [n]
+        pushed: wp.array(dtype=vec),  # loads and external forces [N], [n]
+        applied: wp.array(dtype=vec),  # applied forces [N], [n]
         # State in and out:
-        u: wp.array(dtype=vec),
-        v: wp.array(dtype=vec),
-        work: wp.array(dtype=wp.float64),
-        dissipated: wp.array(dtype=wp.float64),
+        u: wp.array(dtype=vec),  # displacements u [m], [n]
+        v: wp.array(dtype=vec),  # velocities [m/s], [n]
+        work: wp.array(dtype=wp.float64),  # work so far [J], [n]
+        dissipated: wp.array(dtype=wp.float64),  # energy dissipated so far [J], [n]
     ):
         """u_1 and v_1 from u_theta, the work of applied forces, and the energy loss of damping and of the theta rule.
 
@@ -194,14 +194,14 @@ def step_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def add_dissipation(
         # Model:
-        theta: wp.float64,
+        theta: wp.float64,  # theta of the rule [-]
         # State in:
-        u_before: wp.array(dtype=vec),
-        force_before: wp.array(dtype=vec),
-        u: wp.array(dtype=vec),
-        force: wp.array(dtype=vec),
+        u_before: wp.array(dtype=vec),  # displacements before the step [m], [n]
+        force_before: wp.array(dtype=vec),  # elastic forces before the step [N], [n]
+        u: wp.array(dtype=vec),  # displacements u [m], [n]
+        force: wp.array(dtype=vec),  # elastic forces [N], [n]
         # State in and out:
-        dissipated: wp.array(dtype=wp.float64),
+        dissipated: wp.array(dtype=wp.float64),  # energy dissipated so far [J], [n]
     ):
         """Energy that the theta rule dissipates in the deformation: (theta - 1/2) du . K du, K the secant stiffness."""
         i = wp.tid()
@@ -211,14 +211,15 @@ def step_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def total_force(
         # Model:
-        gravity: vec,
-        mass: wp.array(dtype=real),
+        gravity: vec,  # acceleration of gravity [m/s^2]
+        mass: wp.array(dtype=real),  # masses [kg], [n]
         # State in:
-        load: wp.array(dtype=vec),
-        external: wp.array(dtype=vec),
+        load: wp.array(dtype=vec),  # loads at the end of the step [N], [n]
+        external: wp.array(dtype=vec),  # external forces, constant over the step [N], [n]
+        # State out:
+        elastic_out: wp.array(dtype=vec),  # elastic forces [N], [n]
         # State in and out:
-        elastic_out: wp.array(dtype=vec),
-        force: wp.array(dtype=vec),
+        force: wp.array(dtype=vec),  # elastic forces, then total ones [N], [n]
     ):
         """Keep the elastic forces, and add loads, external forces and weight: f = f_el + f_load + f_ext + m g."""
         i = wp.tid()

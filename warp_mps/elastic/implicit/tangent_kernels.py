@@ -47,11 +47,11 @@ def tangent_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def choose(
         # State in:
-        control: wp.array(dtype=wp.int32),
-        x: wp.array(dtype=vec64),
-        p: wp.array(dtype=vec64),
+        control: wp.array(dtype=wp.int32),  # state of the solver, see `warp_mps.core.linear.kernels`
+        x: wp.array(dtype=vec64),  # solution [m], [n]
+        p: wp.array(dtype=vec64),  # search direction [m], [n]
         # State out:
-        direction_out: wp.array(dtype=vec),
+        direction_out: wp.array(dtype=vec),  # the vector that is multiplied [m], [n]
     ):
         """The vector that a pass of the solver multiplies: the solution x in a restart pass, else the direction p."""
         i = wp.tid()
@@ -63,22 +63,22 @@ def tangent_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def pull_change(
         # Model:
-        start: wp.array(dtype=wp.int32),
-        index: wp.array(dtype=wp.int32),
-        bond: wp.array(dtype=vec),
-        weight: wp.array(dtype=real),
-        inverse_shape: wp.array(dtype=mat),
-        volume: wp.array(dtype=real),
-        kappa: wp.array(dtype=real),
-        law: wp.array(dtype=wp.int32),
-        lame: wp.array(dtype=real),
-        mu: wp.array(dtype=real),
-        plane_stress: wp.int32,
+        start: wp.array(dtype=wp.int32),  # first pair of each particle, [n + 1]
+        index: wp.array(dtype=wp.int32),  # neighbour j of each pair, [pairs]
+        bond: wp.array(dtype=vec),  # reference vectors X_ij [m], [pairs]
+        weight: wp.array(dtype=real),  # weights omega_ij [1/m^2], [pairs]
+        inverse_shape: wp.array(dtype=mat),  # A_i^-1 [-], [n]
+        volume: wp.array(dtype=real),  # reference volumes V_i [m^d], [n]
+        kappa: wp.array(dtype=real),  # stiffness kappa_i of the hourglass control [N m], [n]
+        law: wp.array(dtype=wp.int32),  # 0 for St. Venant-Kirchhoff, 1 for neo-Hookean, [n]
+        lame: wp.array(dtype=real),  # Lame's constant lambda [Pa], [n]
+        mu: wp.array(dtype=real),  # Lame's constant mu [Pa], [n]
+        plane_stress: wp.int32,  # 1 for plane stress, else 0
         # State in:
-        gradient: wp.array(dtype=mat),
-        direction: wp.array(dtype=vec),
+        gradient: wp.array(dtype=mat),  # displacement gradients H_i [-], [n]
+        direction: wp.array(dtype=vec),  # direction du [m], [n]
         # State out:
-        change_out: wp.array(dtype=mat),
+        change_out: wp.array(dtype=mat),  # dB_i [N m], [n]
     ):
         """Change dB_i of B_i along a direction du."""
         i = wp.tid()
@@ -91,18 +91,18 @@ def tangent_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def product(
         # Model:
-        start: wp.array(dtype=wp.int32),
-        index: wp.array(dtype=wp.int32),
-        bond: wp.array(dtype=vec),
-        weight: wp.array(dtype=real),
-        kappa: wp.array(dtype=real),
-        mass: wp.array(dtype=real),
-        inertia: wp.array(dtype=wp.float64),
+        start: wp.array(dtype=wp.int32),  # first pair of each particle, [n + 1]
+        index: wp.array(dtype=wp.int32),  # neighbour j of each pair, [pairs]
+        bond: wp.array(dtype=vec),  # reference vectors X_ij [m], [pairs]
+        weight: wp.array(dtype=real),  # weights omega_ij [1/m^2], [pairs]
+        kappa: wp.array(dtype=real),  # stiffness kappa_i of the hourglass control [N m], [n]
+        mass: wp.array(dtype=real),  # masses [kg], [n]
+        inertia: wp.array(dtype=wp.float64),  # inertia a of the step, 0 in statics [1/s^2], [1]
         # State in:
-        direction: wp.array(dtype=vec),
-        change: wp.array(dtype=mat),
+        direction: wp.array(dtype=vec),  # direction du [m], [n]
+        change: wp.array(dtype=mat),  # dB_i [N m], [n]
         # State out:
-        product_out: wp.array(dtype=vec64),
+        product_out: wp.array(dtype=vec64),  # (K + m a) du [N], [n]
     ):
         """Product (K + m a) du of the tangent."""
         i = wp.tid()
@@ -122,25 +122,25 @@ def tangent_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def blocks(
         # Model:
-        start: wp.array(dtype=wp.int32),
-        index: wp.array(dtype=wp.int32),
-        bond: wp.array(dtype=vec),
-        weight: wp.array(dtype=real),
-        inverse_shape: wp.array(dtype=mat),
-        volume: wp.array(dtype=real),
-        kappa: wp.array(dtype=real),
-        law: wp.array(dtype=wp.int32),
-        lame: wp.array(dtype=real),
-        mu: wp.array(dtype=real),
-        plane_stress: wp.int32,
-        mass: wp.array(dtype=real),
-        inertia: wp.array(dtype=wp.float64),
-        free: wp.array(dtype=vec),
+        start: wp.array(dtype=wp.int32),  # first pair of each particle, [n + 1]
+        index: wp.array(dtype=wp.int32),  # neighbour j of each pair, [pairs]
+        bond: wp.array(dtype=vec),  # reference vectors X_ij [m], [pairs]
+        weight: wp.array(dtype=real),  # weights omega_ij [1/m^2], [pairs]
+        inverse_shape: wp.array(dtype=mat),  # A_i^-1 [-], [n]
+        volume: wp.array(dtype=real),  # reference volumes V_i [m^d], [n]
+        kappa: wp.array(dtype=real),  # stiffness kappa_i of the hourglass control [N m], [n]
+        law: wp.array(dtype=wp.int32),  # 0 for St. Venant-Kirchhoff, 1 for neo-Hookean, [n]
+        lame: wp.array(dtype=real),  # Lame's constant lambda [Pa], [n]
+        mu: wp.array(dtype=real),  # Lame's constant mu [Pa], [n]
+        plane_stress: wp.int32,  # 1 for plane stress, else 0
+        mass: wp.array(dtype=real),  # masses [kg], [n]
+        inertia: wp.array(dtype=wp.float64),  # inertia a of the step, 0 in statics [1/s^2], [1]
+        free: wp.array(dtype=vec),  # 1 on free axes, 0 on held ones, [n]
         # State in:
-        gradient: wp.array(dtype=mat),
+        gradient: wp.array(dtype=mat),  # displacement gradients H_i [-], [n]
         # State out:
-        block_out: wp.array(dtype=mat64),
-        inverse_out: wp.array(dtype=mat64),
+        block_out: wp.array(dtype=mat64),  # diagonal blocks D_i [N/m], [n]
+        inverse_out: wp.array(dtype=mat64),  # their inverses among the free axes [m/N], [n]
     ):
         """Diagonal block D_i of K + m a, and its inverse among the free axes."""
         i = wp.tid()
@@ -174,10 +174,10 @@ def tangent_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def precondition(
         # State in:
-        inverse: wp.array(dtype=mat64),
-        r: wp.array(dtype=vec64),
+        inverse: wp.array(dtype=mat64),  # inverses of the diagonal blocks [m/N], [n]
+        r: wp.array(dtype=vec64),  # residual [N], [n]
         # State out:
-        z_out: wp.array(dtype=vec64),
+        z_out: wp.array(dtype=vec64),  # preconditioned residual [m], [n]
     ):
         """Block Jacobi preconditioner z_i = D_i^-1 r_i."""
         i = wp.tid()

@@ -53,13 +53,13 @@ def two_level_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def arms(
         # Model:
-        first: counts,
-        order: counts,
-        reference: wp.array(dtype=vec64),
+        first: counts,  # first particle of each aggregate, [aggregates + 1]
+        order: counts,  # particles, sorted by aggregate, [members]
+        reference: wp.array(dtype=vec64),  # reference positions X [m], [n]
         # State in:
-        u: wp.array(dtype=vec),
+        u: wp.array(dtype=vec),  # displacements [m], [n]
         # State out:
-        arm_out: wp.array(dtype=vec64),
+        arm_out: wp.array(dtype=vec64),  # arms [m], [n]
     ):
         """Arms x_i - mean(x) from the centre of an aggregate to its particles, at their present positions."""
         a = wp.tid()
@@ -74,16 +74,16 @@ def two_level_kernels(types: NumericTypes) -> SimpleNamespace:
 
     @types.kernel(METHOD)
     def rigid_motion(
-        colour: wp.int32,
-        mode: wp.int32,
         # Model:
-        aggregate: counts,
-        colours: counts,
-        free: wp.array(dtype=vec),
+        colour: wp.int32,  # the colour
+        mode: wp.int32,  # the unit motion
+        aggregate: counts,  # aggregate of each particle, -1 for none, [n]
+        colours: counts,  # colours of the aggregates, [aggregates]
+        free: wp.array(dtype=vec),  # 1 on free axes, 0 on held ones, [n]
         # State in:
-        arm: wp.array(dtype=vec64),
+        arm: wp.array(dtype=vec64),  # arms [m], [n]
         # State out:
-        x_out: wp.array(dtype=vec64),
+        x_out: wp.array(dtype=vec64),  # the column, [n]
     ):
         """Column of P: a unit motion of all aggregates of one colour."""
         i = wp.tid()
@@ -98,16 +98,16 @@ def two_level_kernels(types: NumericTypes) -> SimpleNamespace:
 
     @types.kernel(METHOD)
     def restrict(
-        on: counts,
         # Model:
-        first: counts,
-        order: counts,
-        free: wp.array(dtype=vec),
+        on: counts,  # 0 to return at once, [1]
+        first: counts,  # first particle of each part, [parts + 1]
+        order: counts,  # particles, sorted by aggregate, [members]
+        free: wp.array(dtype=vec),  # 1 on free axes, 0 on held ones, [n]
         # State in:
-        arm: wp.array(dtype=vec64),
-        r: wp.array(dtype=vec64),
+        arm: wp.array(dtype=vec64),  # arms [m], [n]
+        r: wp.array(dtype=vec64),  # residual [N], [n]
         # State out:
-        wrench_out: wp.array(dtype=modes),
+        wrench_out: wp.array(dtype=modes),  # forces [N] and moments [N m], [parts]
     ):
         """Restriction P^T r on parts of the aggregates: sums of forces and moments."""
         part = wp.tid()
@@ -121,14 +121,14 @@ def two_level_kernels(types: NumericTypes) -> SimpleNamespace:
 
     @types.kernel(METHOD)
     def sum_parts(
-        on: counts,
-        place: wp.int32,
         # Model:
-        first: counts,
+        on: counts,  # 0 to return at once, [1]
+        place: wp.int32,  # place of the first aggregate in the result
+        first: counts,  # first part of each aggregate, [aggregates + 1]
         # State in:
-        parts: wp.array(dtype=modes),
+        parts: wp.array(dtype=modes),  # wrenches on the parts [N], [N m], [parts]
         # State out:
-        wrench_out: wp.array(dtype=modes),
+        wrench_out: wp.array(dtype=modes),  # forces [N] and moments [N m], [aggregates]
     ):
         """Restriction of an aggregate: sum over its parts."""
         a = wp.tid()
@@ -141,18 +141,18 @@ def two_level_kernels(types: NumericTypes) -> SimpleNamespace:
 
     @types.kernel(METHOD)
     def coarse_solve(
-        on: counts,
-        shares: wp.int32,
-        by_columns: wp.int32,
         # Model:
-        row_first: counts,
-        row_block: counts,
-        row_count: counts,
+        on: counts,  # 0 to return at once, [1]
+        shares: wp.int32,  # number of shares of a row
+        by_columns: wp.int32,  # 1 to read the block by columns, else 0
+        row_first: counts,  # first row of the block of each row, [rows]
+        row_block: counts,  # first entry of its block, [rows]
+        row_count: counts,  # number of rows of its block, [rows]
         # State in:
-        inverse: numbers,
-        wrenches: numbers,
+        inverse: numbers,  # entries of A_c^-1, block by block
+        wrenches: numbers,  # wrenches on the aggregates [N], [N m], [rows]
         # State out:
-        motion_out: numbers,
+        motion_out: numbers,  # shares of the motions, [shares rows]
     ):
         """A share of a row of A_c^-1, in the block of its body, times the wrenches, in four partial sums for speed.
 
@@ -194,12 +194,12 @@ def two_level_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def sum_shares(
         # Model:
-        on: counts,
-        shares: wp.int32,
+        on: counts,  # 0 to return at once, [1]
+        shares: wp.int32,  # number of shares of a row
         # State in:
-        parts: numbers,
+        parts: numbers,  # shares of the motions, [shares rows]
         # State out:
-        motion_out: numbers,
+        motion_out: numbers,  # motions of the aggregates [m], [rad], [rows]
     ):
         """Sum of the shares of a row."""
         row = wp.tid()
@@ -212,15 +212,15 @@ def two_level_kernels(types: NumericTypes) -> SimpleNamespace:
 
     @types.kernel(METHOD)
     def prolong(
-        on: counts,
         # Model:
-        aggregate: counts,
-        free: wp.array(dtype=vec),
+        on: counts,  # 0 to return at once, [1]
+        aggregate: counts,  # aggregate of each particle, -1 for none, [n]
+        free: wp.array(dtype=vec),  # 1 on free axes, 0 on held ones, [n]
         # State in:
-        arm: wp.array(dtype=vec64),
-        motions: wp.array(dtype=modes),
+        arm: wp.array(dtype=vec64),  # arms [m], [n]
+        motions: wp.array(dtype=modes),  # motions of the aggregates [m], [rad], [aggregates]
         # State in and out:
-        z: wp.array(dtype=vec64),
+        z: wp.array(dtype=vec64),  # preconditioned residual [m], [n]
     ):
         """Coarse correction z += P m: the rigid motions m of the aggregates at their particles."""
         i = wp.tid()

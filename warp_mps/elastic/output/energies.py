@@ -19,14 +19,14 @@ def energy_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def particle_energies(
         # Model:
-        gravity: vec,
-        mass: wp.array(dtype=real),
+        gravity: vec,  # acceleration of gravity [m/s^2]
+        mass: wp.array(dtype=real),  # masses [kg], [n]
         # State in:
-        u: wp.array(dtype=vec),
-        v: wp.array(dtype=vec),
+        u: wp.array(dtype=vec),  # displacements u [m], [n]
+        v: wp.array(dtype=vec),  # velocities [m/s], [n]
         # State out:
-        kinetic_out: wp.array(dtype=real),
-        potential_out: wp.array(dtype=real),
+        kinetic_out: wp.array(dtype=real),  # kinetic energies [J], [n]
+        potential_out: wp.array(dtype=real),  # potential energies [J], [n]
     ):
         """Kinetic energy 1/2 m |v|^2 of the translation, and potential energy -m g . u from the reference position."""
         i = wp.tid()
@@ -36,9 +36,9 @@ def energy_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def chunk_sums(
         # State in:
-        values: wp.array(dtype=real),
+        values: wp.array(dtype=real),  # values to sum, [n]
         # State out:
-        sums_out: wp.array(dtype=wp.float64),
+        sums_out: wp.array(dtype=wp.float64),  # sums, [chunks]
     ):
         """Sums of CHUNK consecutive values, in double precision."""
         c = wp.tid()

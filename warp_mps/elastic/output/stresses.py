@@ -65,15 +65,15 @@ def stress_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def fields(
         # Model:
-        law: wp.array(dtype=wp.int32),
-        lame: wp.array(dtype=real),
-        mu: wp.array(dtype=real),
-        plane_stress: wp.int32,
+        law: wp.array(dtype=wp.int32),  # 0 for St. Venant-Kirchhoff, 1 for neo-Hookean, [n]
+        lame: wp.array(dtype=real),  # Lame's constant lambda [Pa], [n]
+        mu: wp.array(dtype=real),  # Lame's constant mu [Pa], [n]
+        plane_stress: wp.int32,  # 1 for plane stress, else 0
         # State in:
-        gradient: wp.array(dtype=mat),
+        gradient: wp.array(dtype=mat),  # displacement gradients H_i [-], [n]
         # State out:
-        stress_out: wp.array(dtype=tensor),
-        strain_out: wp.array(dtype=tensor),
+        stress_out: wp.array(dtype=tensor),  # Cauchy stresses [Pa], [n]
+        strain_out: wp.array(dtype=tensor),  # Green-Lagrange strains [-], [n]
     ):
         """Cauchy stress sigma = P F^T / J and Green-Lagrange strain E = (F^T F - I)/2."""
         i = wp.tid()
@@ -89,14 +89,14 @@ def stress_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def density(
         # Model:
-        law: wp.array(dtype=wp.int32),
-        lame: wp.array(dtype=real),
-        mu: wp.array(dtype=real),
-        plane_stress: wp.int32,
+        law: wp.array(dtype=wp.int32),  # 0 for St. Venant-Kirchhoff, 1 for neo-Hookean, [n]
+        lame: wp.array(dtype=real),  # Lame's constant lambda [Pa], [n]
+        mu: wp.array(dtype=real),  # Lame's constant mu [Pa], [n]
+        plane_stress: wp.int32,  # 1 for plane stress, else 0
         # State in:
-        gradient: wp.array(dtype=mat),
+        gradient: wp.array(dtype=mat),  # displacement gradients H_i [-], [n]
         # State out:
-        density_out: wp.array(dtype=real),
+        density_out: wp.array(dtype=real),  # energy densities [J/m^3], [n]
     ):
         """Strain energy psi(F) per reference volume [J/m^3]."""
         i = wp.tid()
@@ -105,15 +105,15 @@ def stress_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def fit(
         # Model:
-        start: wp.array(dtype=wp.int32),
-        index: wp.array(dtype=wp.int32),
-        bond: wp.array(dtype=vec),
-        area: wp.array(dtype=real),
+        start: wp.array(dtype=wp.int32),  # first pair of each particle, [n + 1]
+        index: wp.array(dtype=wp.int32),  # neighbour j of each pair, [pairs]
+        bond: wp.array(dtype=vec),  # reference vectors X_ij [m], [pairs]
+        area: wp.array(dtype=real),  # d w_ij/|X_ij| [1/m], [pairs]
         # State in:
-        u: wp.array(dtype=vec),
-        q: wp.array(dtype=rotor),
+        u: wp.array(dtype=vec),  # displacements u [m], [n]
+        q: wp.array(dtype=rotor),  # rotors of the particles' own rotation [-], [n]
         # State out:
-        gradient_out: wp.array(dtype=mat),
+        gradient_out: wp.array(dtype=mat),  # displacement gradients H_i [-], [n]
     ):
         """H = F - I by least squares, with the weights w/|X|^2; directions without neighbours rotate with the particle.
 

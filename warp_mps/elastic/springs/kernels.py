@@ -79,12 +79,12 @@ def spring_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def number_density(
         # Model:
-        start: wp.array(dtype=wp.int32),
-        index: wp.array(dtype=wp.int32),
-        reference: wp.array(dtype=vec64),
-        radius: wp.array(dtype=wp.float64),
+        start: wp.array(dtype=wp.int32),  # first pair of each particle, [n + 1]
+        index: wp.array(dtype=wp.int32),  # neighbour j of each pair, [pairs]
+        reference: wp.array(dtype=vec64),  # reference positions X_i [m], [n]
+        radius: wp.array(dtype=wp.float64),  # effective radii r_e [m], [n]
         # Model out:
-        density_out: wp.array(dtype=wp.float64),
+        density_out: wp.array(dtype=wp.float64),  # number densities n_i [-], [n]
     ):
         """n_i = sum_j w_ij (eq. 8)."""
         i = wp.tid()
@@ -96,17 +96,17 @@ def spring_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def bonds(
         # Model:
-        start: wp.array(dtype=wp.int32),
-        index: wp.array(dtype=wp.int32),
-        reference: wp.array(dtype=vec64),
-        radius: wp.array(dtype=wp.float64),
-        volume: wp.array(dtype=wp.float64),
-        mu: wp.array(dtype=wp.float64),
-        inverse_density: wp.array(dtype=wp.float64),
+        start: wp.array(dtype=wp.int32),  # first pair of each particle, [n + 1]
+        index: wp.array(dtype=wp.int32),  # neighbour j of each pair, [pairs]
+        reference: wp.array(dtype=vec64),  # reference positions X_i [m], [n]
+        radius: wp.array(dtype=wp.float64),  # effective radii r_e [m], [n]
+        volume: wp.array(dtype=wp.float64),  # reference volumes V_i [m^d], [n]
+        mu: wp.array(dtype=wp.float64),  # Lame's constant mu [Pa], [n]
+        inverse_density: wp.array(dtype=wp.float64),  # 1/n0 or 1/n_i [-], [n]
         # Model out:
-        bond_out: wp.array(dtype=vec),
-        area_out: wp.array(dtype=real),
-        stiffness_out: wp.array(dtype=real),
+        bond_out: wp.array(dtype=vec),  # reference vectors X_ij [m], [pairs]
+        area_out: wp.array(dtype=real),  # d w_ij/|X_ij| [1/m], [pairs]
+        stiffness_out: wp.array(dtype=real),  # k_ij [N/m], [pairs]
     ):
         """X_ij, d w_ij/|X_ij| and k_ij of every pair; springs of two materials in series have their harmonic mean."""
         i = wp.tid()
@@ -125,17 +125,17 @@ def spring_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def pressure(
         # Model:
-        first: wp.int32,
-        start: wp.array(dtype=wp.int32),
-        index: wp.array(dtype=wp.int32),
-        bond: wp.array(dtype=vec),
-        area: wp.array(dtype=real),
-        bulk: wp.array(dtype=real),
+        first: wp.int32,  # first particle of this launch
+        start: wp.array(dtype=wp.int32),  # first pair of each particle, [n + 1]
+        index: wp.array(dtype=wp.int32),  # neighbour j of each pair, [pairs]
+        bond: wp.array(dtype=vec),  # reference vectors X_ij [m], [pairs]
+        area: wp.array(dtype=real),  # d w_ij/|X_ij| [1/m], [pairs]
+        bulk: wp.array(dtype=real),  # V0 lambda / n_i^2 [J], [n]
         # State in:
-        u: wp.array(dtype=vec),
-        q: wp.array(dtype=rotor),
+        u: wp.array(dtype=vec),  # displacements u [m], [n]
+        q: wp.array(dtype=rotor),  # rotors of the particles' own rotation [-], [n]
         # State out:
-        pressures_out: wp.array(dtype=real),
+        pressures_out: wp.array(dtype=real),  # V0 lambda (div u)_i / n_i [J], [n]
     ):
         """V0 lambda (div u)_i / n_i, minus the pressure of eq. 14 in the units that the pair sum needs."""
         i = first + wp.tid()
@@ -150,19 +150,19 @@ def spring_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def force(
         # Model:
-        first: wp.int32,
-        start: wp.array(dtype=wp.int32),
-        index: wp.array(dtype=wp.int32),
-        bond: wp.array(dtype=vec),
-        area: wp.array(dtype=real),
-        stiffness: wp.array(dtype=real),
+        first: wp.int32,  # first particle of this launch
+        start: wp.array(dtype=wp.int32),  # first pair of each particle, [n + 1]
+        index: wp.array(dtype=wp.int32),  # neighbour j of each pair, [pairs]
+        bond: wp.array(dtype=vec),  # reference vectors X_ij [m], [pairs]
+        area: wp.array(dtype=real),  # d w_ij/|X_ij| [1/m], [pairs]
+        stiffness: wp.array(dtype=real),  # k_ij [N/m], [pairs]
         # State in:
-        u: wp.array(dtype=vec),
-        q: wp.array(dtype=rotor),
-        pressures: wp.array(dtype=real),
+        u: wp.array(dtype=vec),  # displacements u [m], [n]
+        q: wp.array(dtype=rotor),  # rotors of the particles' own rotation [-], [n]
+        pressures: wp.array(dtype=real),  # V0 lambda (div u)_i / n_i [J], [n]
         # State out:
-        force_out: wp.array(dtype=vec),
-        torque_out: wp.array(dtype=axial),
+        force_out: wp.array(dtype=vec),  # forces [N], [n]
+        torque_out: wp.array(dtype=axial),  # torques [N m], [n]
     ):
         """Force -dV/du_i and torque of a particle: sums over its pairs of eqs. 4 and 9 to 14."""
         i = first + wp.tid()
@@ -184,17 +184,17 @@ def spring_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def energy(
         # Model:
-        start: wp.array(dtype=wp.int32),
-        index: wp.array(dtype=wp.int32),
-        bond: wp.array(dtype=vec),
-        area: wp.array(dtype=real),
-        stiffness: wp.array(dtype=real),
-        bulk: wp.array(dtype=real),
+        start: wp.array(dtype=wp.int32),  # first pair of each particle, [n + 1]
+        index: wp.array(dtype=wp.int32),  # neighbour j of each pair, [pairs]
+        bond: wp.array(dtype=vec),  # reference vectors X_ij [m], [pairs]
+        area: wp.array(dtype=real),  # d w_ij/|X_ij| [1/m], [pairs]
+        stiffness: wp.array(dtype=real),  # k_ij [N/m], [pairs]
+        bulk: wp.array(dtype=real),  # V0 lambda / n_i^2 [J], [n]
         # State in:
-        u: wp.array(dtype=vec),
-        q: wp.array(dtype=rotor),
+        u: wp.array(dtype=vec),  # displacements u [m], [n]
+        q: wp.array(dtype=rotor),  # rotors of the particles' own rotation [-], [n]
         # State out:
-        energy_out: wp.array(dtype=real),
+        energy_out: wp.array(dtype=real),  # energies [J], [n]
     ):
         """Elastic energy of each particle: half of that of its springs, and 1/2 V0 lambda (div u)_i^2."""
         i = wp.tid()

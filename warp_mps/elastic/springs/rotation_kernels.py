@@ -27,13 +27,14 @@ def rotation_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def drift(
         # Model:
-        first: wp.int32,
-        dt: real,
-        inverse_inertia: wp.array(dtype=real),
-        torque: wp.array(dtype=axial),
+        first: wp.int32,  # first particle of this launch
+        dt: real,  # time step [s]
+        inverse_inertia: wp.array(dtype=real),  # inverse moments of inertia, 0 where rotation is held [1/(kg m^2)], [n]
+        # State in:
+        torque: wp.array(dtype=axial),  # torques [N m], [n]
         # State in and out:
-        q: wp.array(dtype=rotor),
-        omega: wp.array(dtype=axial),
+        q: wp.array(dtype=rotor),  # rotors [-], [n]
+        omega: wp.array(dtype=axial),  # angular velocities [rad/s], [n]
     ):
         """Half a kick omega += dt/2 tau/I with the torques of the last step, then the rotation by omega dt."""
         i = first + wp.tid()
@@ -44,12 +45,13 @@ def rotation_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def kick(
         # Model:
-        first: wp.int32,
-        dt: real,
-        inverse_inertia: wp.array(dtype=real),
-        torque: wp.array(dtype=axial),
+        first: wp.int32,  # first particle of this launch
+        dt: real,  # time step [s]
+        inverse_inertia: wp.array(dtype=real),  # inverse moments of inertia, 0 where rotation is held [1/(kg m^2)], [n]
+        # State in:
+        torque: wp.array(dtype=axial),  # torques [N m], [n]
         # State in and out:
-        omega: wp.array(dtype=axial),
+        omega: wp.array(dtype=axial),  # angular velocities [rad/s], [n]
     ):
         """The second half of the kick, omega += dt/2 tau/I."""
         i = first + wp.tid()
@@ -58,12 +60,12 @@ def rotation_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def damp(
         # Model:
-        factor: wp.float64,
-        inertia: wp.array(dtype=real),
-        inverse_inertia: wp.array(dtype=real),
+        factor: wp.float64,  # exp(-damping dt/2) [-]
+        inertia: wp.array(dtype=real),  # moments of inertia [kg m^2], [n]
+        inverse_inertia: wp.array(dtype=real),  # inverse moments of inertia, 0 where rotation is held [1/(kg m^2)], [n]
         # State in and out:
-        omega: wp.array(dtype=axial),
-        dissipated: wp.array(dtype=wp.float64),
+        omega: wp.array(dtype=axial),  # angular velocities [rad/s], [n]
+        dissipated: wp.array(dtype=wp.float64),  # energy dissipated so far [J], [n]
     ):
         """Mass-proportional damping over half a step: omega *= exp(-damping dt/2), with its energy loss."""
         i = wp.tid()
@@ -77,11 +79,11 @@ def rotation_kernels(types: NumericTypes) -> SimpleNamespace:
     @types.kernel(METHOD)
     def add_kinetic(
         # Model:
-        inertia: wp.array(dtype=real),
+        inertia: wp.array(dtype=real),  # moments of inertia [kg m^2], [n]
         # State in:
-        omega: wp.array(dtype=axial),
+        omega: wp.array(dtype=axial),  # angular velocities [rad/s], [n]
         # State in and out:
-        kinetic: wp.array(dtype=real),
+        kinetic: wp.array(dtype=real),  # kinetic energies [J], [n]
     ):
         """Kinetic energy of the rotation, added: T_i += 1/2 I_i |omega_i|^2."""
         i = wp.tid()
