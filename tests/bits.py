@@ -8,7 +8,7 @@ from warp_mps.run.simulation import Simulation
 from warp_mps.scene import Scene
 
 State = dict[str, np.ndarray]
-# what is shown of a moment that is restored, before the run goes on
+# quantities of a restored moment, before the run goes on
 SHOWN = ("reactions", "internal_forces", "stresses", "energy")
 
 
@@ -31,7 +31,7 @@ def assert_same_bits(left: list[State], right: list[State]) -> None:
 
 
 def assert_restored_goes_on(scene: Scene, first: int, rest: int) -> None:
-    """Check that a run restored after some steps shows what was shown then, and ends as one in a single piece."""
+    """Check that a run restored after some steps has the same quantities as then, and ends as an unbroken one."""
     whole, begun, restored = (Simulation(scene) for _ in range(3))
     whole.advance(first + rest)
     begun.advance(first)

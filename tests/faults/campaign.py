@@ -45,7 +45,7 @@ def interrupted_twice(case: Case, out: Path, rows: int) -> str:
 
 
 def full(case: Case, out: Path, rows: int) -> str:
-    """The disk takes nothing more: what is written next, often a row, is cut short."""
+    """The disk is full: the next write, often of a row, is cut short."""
     return _full(case, out, rows, lambda: (out / "probes.csv").stat().st_size + 10, "")
 
 
@@ -77,7 +77,7 @@ def removed(case: Case, out: Path, rows: int) -> str:
         out.rename(away)
         code, line = ending(process)
     assert (code, "cannot be written" in line) == (3, True), line
-    assert not out.exists(), "what was removed does not come back in part"
+    assert not out.exists(), "a removed result does not come back in part"
     away.rename(out)
     return line
 

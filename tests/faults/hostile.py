@@ -38,11 +38,11 @@ class Outcome:
 
     Attributes:
         number: Its number.
-        kind: What is malformed about it, one of `KINDS`.
-        what: What was done to which stage.
+        kind: Kind of malformation, one of `KINDS`.
+        what: The change, and the stage that was changed.
         command: ``check`` or ``run``.
         ending: How the command ended.
-        fault: What is wrong with that; empty if nothing is.
+        fault: The fault found; empty if there is none.
     """
 
     number: int
@@ -54,7 +54,7 @@ class Outcome:
 
 
 def make(number: int, folder: Path, texts: dict[str, str], *, seed: int = 0) -> tuple[str, str, Path]:
-    """Write a malformed stage into a folder: its kind, what was done to which stage, and its path."""
+    """Write a malformed stage into a folder: its kind, the change, and its path."""
     random = np.random.default_rng([seed, number])
     kind, name = KINDS[number % len(KINDS)], pick(random, texts)
     if kind in BREAKAGES:
@@ -95,7 +95,7 @@ def campaign(count: int, *, seed: int = 0, leave_out: Sequence[str] = ()) -> Ite
 
 
 def fault(ending: Ending, command: str) -> str:
-    """What is wrong with how a command ended; empty if nothing is."""
+    """The fault in how a command ended; empty if there is none."""
     if ending.code not in (0, 2, *((3,) if command == "run" else ())):
         return ending.err.strip().splitlines()[-1] if ending.err.strip() else f"exit {ending.code}"
     lines = ending.err.splitlines()

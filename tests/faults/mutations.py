@@ -1,6 +1,6 @@
 """Changes of a stage that make it absurd, each drawn at random; a change returns what it did.
 
-They work on the layer, so that what comes out is still a file that USD reads.
+They work on the layer, so that the result is still a file that USD reads.
 """
 
 from __future__ import annotations
@@ -273,7 +273,7 @@ def transform(layer: Sdf.Layer, random: Random) -> str:
 
 
 def arcs(layer: Sdf.Layer, random: Random) -> str:
-    """A prim is composed of itself, its parent, or what is not there."""
+    """A prim is composed of itself, its parent, or a missing prim."""
     prim, other = pick(random, prims(layer)), pick(random, prims(layer))
     how = pick(random, ("reference", "payload", "inherit", "specialize", "variant", "instance", "api", "connection"))
     target = pick(random, (prim.path, other.path, prim.path.GetParentPath(), Sdf.Path("/Nowhere")))

@@ -25,7 +25,7 @@ def running(
     """A run that saves a checkpoint at every frame; it is killed at the end of the block if it has not ended."""
     command = [sys.executable, "-m", "warp_mps", "run", str(case.stage), "--out", str(out), "--quiet"]
     command += ["--checkpoint-interval", "0", *options]
-    # the tests have no threads of their own, and what is prepared takes no lock
+    # the tests start no threads, and the prepared function takes no lock
     process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True, preexec_fn=prepare)  # noqa: PLW1509
     with process:
         try:

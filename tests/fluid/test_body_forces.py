@@ -93,7 +93,7 @@ def test_an_attracted_drop_oscillates_as_the_exact_equations_say() -> None:
     assert period == pytest.approx(PERIOD, rel=0.01)
     assert axes.max() == pytest.approx(LONGEST, rel=0.02)
     np.testing.assert_allclose(axes[:, 0] * axes[:, 1], 1.0, atol=0.02)
-    # the potential is in the work: what is missing is what the scheme dissipates
+    # the potential is in the work: the difference is the dissipation of the scheme
     missing = (start.balance - simulation.energy.balance) / start.kinetic
     assert 0.0 < missing < 0.15
 

@@ -26,7 +26,7 @@ from warp_mps.fluid.collisions import KEPT_APART, RESTITUTION
 
 @pytest.mark.parametrize("precision", ["float64", "float32"])
 def test_two_particles_that_approach_collide(precision: str) -> None:
-    """Along their line, with the coefficient of restitution, and momentum kept; what is across stays."""
+    """Along their line, with the coefficient of restitution, and momentum kept; the velocity across that line stays."""
     fluids = fluids_of(scene_of(water([0.0, 0.0], [8 * L0, 8 * L0])), precision=precision)
     gap = 0.4 * L0
     put(fluids, {0: ([0.3, 0.3], [0.5, 0.2]), 1: ([0.3 + gap, 0.3], [-0.1, 0.0])})
@@ -36,7 +36,7 @@ def test_two_particles_that_approach_collide(precision: str) -> None:
     np.testing.assert_allclose(du[0], [-expected, 0.0], atol=near)
     np.testing.assert_allclose(du[1], [expected, 0.0], atol=near)
     np.testing.assert_allclose(du[2:], 0.0, atol=near)
-    # what is changed is changed from the start of the step on
+    # the change of velocity acts from the start of the step on
     x = fluids.state.x.numpy()
     np.testing.assert_allclose(x[:2, 0], [0.3 - DT * expected, 0.3 + gap + DT * expected], atol=near)
 

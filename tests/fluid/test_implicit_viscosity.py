@@ -43,7 +43,7 @@ def test_the_step_satisfies_its_equation(dimension: int, precision: str) -> None
     gravity = np.asarray(scene.gravity)
     change = dt * (gravity + fluids.step.viscous_acceleration.numpy()[w:])
     np.testing.assert_allclose(solved, before + change, atol=tolerance(precision, 1e-5, 1e-4) * size)
-    # what is stirred is nearly still after a step of dt nu = 2.5 l0^2, but for its mean
+    # stirred water is nearly still after a step of dt nu = 2.5 l0^2, but for its mean
     assert np.std(solved) < 0.3 * np.std(before)
 
 

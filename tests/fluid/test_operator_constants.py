@@ -75,7 +75,7 @@ def test_factors_scale_with_the_spacing() -> None:
 @pytest.mark.parametrize("rows", [1, 2])
 @pytest.mark.parametrize(("dimension", "radius"), CASES)
 def test_what_lies_beyond_a_surface_makes_a_linear_pressure_exact(dimension: int, radius: float, rows: int) -> None:
-    """In the two rows below it: the sum over what is there and what is added to the diagonal cancel."""
+    """In the two rows below it, the sum over the neighbours and the part added to the diagonal cancel."""
     ops = operators(dimension, L0, radius)
     x, _, w = offsets(dimension, radius)
     depth = (rows - 0.5) * L0

@@ -102,7 +102,7 @@ def test_a_leak_has_its_exit_code(tmp_path: Path) -> None:
 def test_steps_that_collapse_have_its_exit_code(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """One line says why, and what was computed before is kept."""
+    """One line says why, and the results so far are kept."""
     advance = fluids_module.Fluids.advance
 
     def kick(fluids: fluids_module.Fluids, time: float) -> int:

@@ -77,6 +77,6 @@ def test_the_pressure_of_the_rest_does_not_move_what_is_lost() -> None:
         fluids.advance(k * 1e-3)
         np.testing.assert_array_equal(fluids.readings.positions()[upper], first[upper])
         assert not fluids.velocities()[upper].any()
-    # as deep as what is left
+    # the depth of the remaining water
     pressure = fluids.pressures()[wall_count(fluids) :].max() / (1000.0 * 9.81 * L0)
     assert 9.5 < pressure < 12.0

@@ -1,4 +1,4 @@
-"""Volumes that particles take up: of lattices, swollen, strained and stirred ones, drops, and what has left."""
+"""Volumes that particles take up: of lattices, swollen, strained and stirred ones, drops, and lost particles."""
 
 from __future__ import annotations
 

@@ -73,7 +73,7 @@ def test_a_region_has_the_mean_of_what_is_in_it_now() -> None:
     assert value(view, quantity="pressure", **strip) == pytest.approx([0.5 * DENSITY * GRAVITY * DEPTH])
     view.velocities[:, 0] = view.positions[:, 0]
     assert value(view, quantity="velocity", **strip) == pytest.approx([0.1, 0.0])
-    # what was there has moved on
+    # the water that was there has moved on
     view.displacements[-view.particles.liquid :, 0] += 2 * SPACING
     assert value(view, quantity="velocity", **strip) == pytest.approx([0.1 - 2 * SPACING, 0.0])
 

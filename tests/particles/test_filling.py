@@ -1,4 +1,4 @@
-"""Particles of a scene: numbers, masses, order, velocities, groups, and what is refused."""
+"""Particles of a scene: numbers, masses, order, velocities, groups, refusals."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""run.json: what is written, what reads back, and how measurements and energies get into it."""
+"""run.json: writing, reading back, measurements and energies."""
 
 from __future__ import annotations
 

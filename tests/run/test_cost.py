@@ -38,7 +38,7 @@ def test_the_animation_is_no_larger_than_estimated(tmp_path: Path) -> None:
 
 
 def test_the_animation_of_water_and_bodies_is_no_larger_than_estimated(tmp_path: Path) -> None:
-    """Outputs are of the bodies alone, and what saves leave behind grows with the frames and with what is in them."""
+    """Outputs are of the bodies alone, and the remains of saves grow with the number and the size of the frames."""
     for outputs, rate in (((), 1000.0), (("stress", "von_mises"), 4000.0)):
         scene = pool(BLOCK, outputs=outputs, frame_rate=rate, duration=0.02)
         run_scene(scene, tmp_path, quiet=True, overwrite=True)

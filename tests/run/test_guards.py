@@ -96,7 +96,7 @@ FAILING: dict[str, tuple[Callable[[], Scene], str]] = {
 
 
 def failed(scene: Scene, folder: Path, capsys: pytest.CaptureFixture[str]) -> str:
-    """The line of a run that fails; what was computed before is kept, and can be read."""
+    """The line of a run that fails; the results so far are kept, and can be read."""
     stage, out = folder / "case.usda", folder / "out"
     save_stage(scene, stage)
     assert main(["run", str(stage), "--out", str(out), "--quiet"]) == 3
@@ -109,7 +109,7 @@ def failed(scene: Scene, folder: Path, capsys: pytest.CaptureFixture[str]) -> st
 
 
 def assert_kept(out: Path, line: str) -> None:
-    """The results agree on what was before the failure, and hold the checkpoint and the reason."""
+    """The results before the failure agree, and hold the checkpoint and the reason."""
     from pxr import Usd
 
     summary = json.loads((out / "run.json").read_text())

@@ -223,7 +223,7 @@ class Visitor(Observer):
         self.times.append(view.time)
 
     def close(self) -> None:
-        """Raise what is to be raised."""
+        """Raise the given exception."""
         if self._at_close is not None:
             raise self._at_close
 

@@ -1,4 +1,4 @@
-"""What is known of a field stands once, at the field."""
+"""The metadata of a field stand once, at the field."""
 
 from __future__ import annotations
 

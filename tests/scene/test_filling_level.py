@@ -1,4 +1,4 @@
-"""Fluids filled to a level: boxes between walls, regions of any shape, and what is refused."""
+"""Fluids filled to a level: boxes between walls, regions of any shape, refusals."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Walls of rectangular tanks: their places by hand, corners filled once, and what is refused."""
+"""Walls of rectangular tanks: their places by hand, corners filled once, refusals."""
 
 from __future__ import annotations
 

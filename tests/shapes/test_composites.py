@@ -43,7 +43,7 @@ def test_identities_of_sets(one: Shape, other: Shape) -> None:
 
 
 def test_the_cut_face_belongs_to_a_difference() -> None:
-    """Points on the face of what is subtracted, and half a tolerance and two tolerances inside it."""
+    """Points on the face of the subtracted shape, and half a tolerance and two tolerances inside it."""
     shape, tolerance = Box((2.0, 2.0)) - Box((1.0, 2.0), (-0.5, 0.0)), 1e-3
     points = np.array([(0.0, 0.3), (-0.5e-3, 0.3), (-2e-3, 0.3), (1.0, 0.3)])
     assert contains(shape, points, tolerance).tolist() == [True, True, False, True]

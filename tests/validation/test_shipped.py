@@ -1,6 +1,6 @@
 """The shipped cases as they are shipped, against their references.
 
-The references and their sources stand in the stages. The tolerances here are what is reached at the shipped
+The references and their sources stand in the stages. The tolerances here are those reached at the shipped
 resolution.
 """
 

@@ -1,4 +1,4 @@
-"""What the elastic bodies of a scene are made of on a device: constants, the particles' state and the acting parts."""
+"""Parts of the elastic bodies of a scene on a device: constants, state of the particles, model, boundary, contact."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""What may be asked of elastic bodies: their quantities as arrays on the host, and their energies."""
+"""Readings of elastic bodies: quantities of their particles as host arrays, and energies."""
 
 from __future__ import annotations
 

@@ -39,7 +39,7 @@ class Fluids:
         model: Constants of the run.
         state: What evolves.
         step: The phases of a step.
-        readings: What may be asked.
+        readings: Quantities of the particles, and energies.
         failures: Detection of failures.
 
     Args:

@@ -105,7 +105,7 @@ class ImplicitViscosity:
     """Velocities after an implicit step of viscosity.
 
     Attributes:
-        u: They, of all particles, vec [n].
+        u: Viscous velocities of all particles [m/s], vec [n].
         solver: What solves for each component.
 
     Args:

@@ -1,6 +1,6 @@
 """Neighbour lists of moving particles, kept as long as they hold.
 
-They are found with `wp.HashGrid`, a margin beyond the effective radius, and made anew when a particle has moved by half
+They are found with `wp.HashGrid`, a margin beyond the effective radius, and renewed when a particle has moved by half
 of that margin. The grid is built over coordinates in units of its cells, so that along a periodic axis a whole number
 of cells fits the period: the grid's own wrapping then finds the neighbours across it.
 
@@ -46,7 +46,7 @@ class NeighbourLists:
         count: Number of neighbours of each particle, int32 [n].
         table: Both as kernels take them, a `NeighbourTable`.
         x_listed: Positions at which the lists were made [m], vec [n].
-        stale: Whether they must be made anew, int32 [1].
+        stale: Whether they must be renewed, int32 [1].
         period: Period along each axis [m], 0 where there is none.
 
     Args:
@@ -125,7 +125,7 @@ class NeighbourLists:
         return bool(self._crowded.numpy()[0])
 
     def grow(self) -> None:
-        """Give the lists twice the room, in new arrays; they are empty until they are made anew."""
+        """Give the lists twice the room, in new arrays; they are empty until they are renewed."""
         count, width = self.listed.shape
         self.listed = wp.zeros((count, 2 * width), dtype=wp.int32, device=self._device)
         self.table = self._make_table()

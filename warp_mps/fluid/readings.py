@@ -1,4 +1,4 @@
-"""What may be asked of the fluids of a scene, in the order of its particles."""
+"""Readings of fluids: quantities of their particles, and energies."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from warp_mps.results.energy import Energy
 
 
 class FluidReadings:
-    """Host arrays of what fluids and their walls do, float64, in the order of the scene: n particles, walls first.
+    """Quantities of fluids and their walls as float64 host arrays, in the order of the scene: n particles, walls first.
 
     Args:
         step: The step of the fluids.

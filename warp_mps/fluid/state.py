@@ -1,4 +1,4 @@
-"""Everything of a fluid that evolves."""
+"""State of a fluid: everything that evolves."""
 
 from __future__ import annotations
 

@@ -50,7 +50,7 @@ class FluidStep:
         pressure: Pressure Poisson equation.
         forces: Forces of the pressure.
         body_forces: Forces that depend on place and time, None if there are none.
-        implicit_viscosity: What solves for viscous velocities, None if viscosity is explicit.
+        implicit_viscosity: Solver of the viscous velocities, None if viscosity is explicit.
         viscous_acceleration: Viscous accelerations, of wall particles the reaction's; of fluid particles with those by
             body forces [m/s^2], vec [n].
         ghost_velocity: Velocities of walls for viscosity, mirrored at walls without slip [m/s], vec [w].
@@ -90,7 +90,7 @@ class FluidStep:
 
     @property
     def phases(self) -> tuple[tuple[str, Callable[[], None]], ...]:
-        """The phases of a step in their order: a name, and what launches it."""
+        """The phases of a step in their order: name and method."""
         return (
             ("time step", self.set_time_step),
             ("viscosity", self.apply_viscosity),

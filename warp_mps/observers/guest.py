@@ -1,4 +1,4 @@
-"""An observer that a user gives to a run: what it raises ends the run as a failed one, with all results kept."""
+"""An observer of the user: an exception that it raises ends the run as failed, with all results kept."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def guests(observers: Sequence[Observer]) -> list[Guest]:
     """Wrap the observers that a user gives.
 
     Raises:
-        InputError: One of them is no `Observer`.
+        InputError: One of them is not an `Observer`.
     """
     for number, observer in enumerate(observers):
         if not isinstance(observer, Observer):

@@ -68,7 +68,7 @@ class Particles:
         return walls
 
     def describe(self, index: int) -> str:
-        """A particle in words: its identifier, its body and its reference position."""
+        """Description of a particle: its identifier, its body and its reference position."""
         place = ", ".join(f"{value:.6g}" for value in self.positions[index])
         return f"particle {int(self.ids[index])} of body '{self.names[int(self.bodies[index])]}' (from ({place}) m)"
 

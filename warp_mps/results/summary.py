@@ -207,7 +207,7 @@ def _measured(row: dict[str, Any]) -> str:
 
 
 def headline(summary: RunSummary) -> str:
-    """Steps, simulated time, speed and accuracy of a run in a line."""
+    """One line: steps, simulated time, speed and accuracy of a run."""
     speed = sum(value or 0.0 for value in summary.particle_steps_per_second.values())
     return (
         f"{summary.case}: {summary.steps} steps, {summary.time:.6g} s simulated in {duration(summary.wall_seconds)} "

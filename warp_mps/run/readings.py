@@ -24,7 +24,7 @@ class Readings:
 
     Args:
         particles: The particles.
-        system: What is read.
+        system: The system that is read.
     """
 
     def __init__(self, particles: Particles, system: System) -> None:

@@ -55,7 +55,7 @@ def run_scene(
 
     Raises:
         InputError: The scene cannot be run, or the folder cannot be used, e.g. since another run is using it.
-        RunError: The run had to be stopped; what was computed is kept, and run.json says why.
+        RunError: The run had to be stopped; its results so far are kept, and run.json says why.
         KeyboardInterrupt: It was interrupted; likewise.
     """
     folder = Path(folder)

@@ -1,4 +1,4 @@
-"""What is known of a field of a case beside its type and default: its name in a stage, unit, limits and meaning.
+"""Metadata of the fields of a case, besides type and default: name in a stage, unit, limits and meaning.
 
 Each stands once, at the field:
 
@@ -57,12 +57,12 @@ UNITS = {
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Attribute:
-    """What is known of a field.
+    """Metadata of a field.
 
     Attributes:
         name: Name of the attribute, or of the relationship, in a stage; empty where a stage has no such attribute.
         kind: Type in a stage; empty where the annotation of the field says it.
-        unit: SI unit, in 2-D that of a 3-D scene; empty for what has none.
+        unit: SI unit, in 2-D that of a 3-D scene; empty for a field without a unit.
         plane_unit: Unit in a 2-D scene where it is another one.
         allowed: Allowed numbers; allowed words stand in the annotation, as a `Literal`.
         above: The value must be above this number.
@@ -92,7 +92,7 @@ class Attribute:
 
     @property
     def limits(self) -> str:
-        """The allowed numbers in words, such as ``above 0, at most 1``; empty for all."""
+        """Text of the allowed range, such as ``above 0, at most 1``; empty if all numbers are allowed."""
         if self.minimum is not None and self.maximum is not None:
             return f"{self.minimum:g} to {self.maximum:g}"
         words = {"above": self.above, "at least": self.minimum, "at most": self.maximum}
@@ -103,7 +103,7 @@ _KEY = "attribute"
 
 
 def attribute(name: str = "", **known: Any) -> dict[str, Attribute]:
-    """Metadata of a dataclass field: what is known of it beside its type, default and meaning.
+    """Metadata of a dataclass field, besides its type, default and meaning.
 
     Args:
         name: Name in a stage, empty where a stage has no such attribute.
@@ -113,7 +113,7 @@ def attribute(name: str = "", **known: Any) -> dict[str, Attribute]:
 
 
 def attributes_of(kind: type) -> dict[str, Attribute]:
-    """What is known of each field of a dataclass, by the fields' names."""
+    """Metadata of each field of a dataclass, by name."""
     return {field.name: field.metadata.get(_KEY, Attribute()) for field in dataclasses.fields(kind)}
 
 

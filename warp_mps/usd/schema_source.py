@@ -68,7 +68,7 @@ def _reference_row(row: StageAttribute) -> str:
 
 
 def _default(row: StageAttribute) -> str:
-    """The default of an attribute in words; of one in the units of the stage in SI units."""
+    """Text of the default of an attribute; in SI units if the attribute is in units of the stage."""
     if row.default is None:
         return f"{row.si_default:g} {row.known.unit}" if row.si_default else ""
     return " ".join(str(row.default).split()) if row.default != "" else "empty"

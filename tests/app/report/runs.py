@@ -49,7 +49,7 @@ def write_tables(folder: Path, **facts: Any) -> None:
 
 
 def write_water(folder: Path, *, nowhere: bool = False) -> None:
-    """Write run.usdc of 8 by 6 particles of water in the x-y plane, one of which is lost, with pressures by depth.
+    """Write run.usdc of 8 by 6 particles of water in the x-y plane, one lost, with pressures by depth.
 
     Args:
         folder: Where it goes.

@@ -1,4 +1,4 @@
-"""Data for the player: positions, quantities, ranges, and what is left out."""
+"""Data for the player: positions, quantities, ranges, omissions."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The page's text: what is said of runs of all kinds, and that nothing in it is taken for HTML."""
+"""The page's text for runs of all kinds; names and messages are not taken for HTML."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Diagrams of a history: which there are, what is drawn in them, and that they become files."""
+"""Diagrams of a history: their number, their contents, their files."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Spheres as pixels: what is covered, what hides what, and where light falls."""
+"""Spheres as pixels: coverage, occlusion, shading."""
 
 from __future__ import annotations
 

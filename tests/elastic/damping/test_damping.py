@@ -123,7 +123,7 @@ def decaying(time: np.ndarray, speed: float, omega: float, ratio: float) -> np.n
 
 @pytest.mark.parametrize(("dimension", "precision"), [(2, "float64"), (2, "float32"), (3, "float64")])
 def test_the_energy_that_is_lost_is_accounted_for(dimension: int, precision: str) -> None:
-    """Also what goes in through a moving support; what is missing falls with the square of the step."""
+    """Also the work of a moving support; the error falls with the square of the step."""
     size = [0.06, 0.03, 0.03][:dimension]
     body = block(dimension, shape=Box(size), velocity=[0.0, 1.0, 0.5][:dimension])
     wall = Box([0.031] + [1.0] * (dimension - 1), [-0.03] + [0.0] * (dimension - 1))

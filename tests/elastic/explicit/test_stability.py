@@ -55,7 +55,7 @@ def test_the_rotation_of_particles_sets_the_limit(dimension: int) -> None:
 
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_runs_on_either_side_of_the_limit(dimension: int) -> None:
-    """At the limit, noise stays noise; 2 % above what is stable it grows without bound."""
+    """At the stability limit noise stays bounded; 2 % above it, it grows without bound."""
     cells, growth = (10, 6, 4)[:dimension], []
     linear = body_of(cells, 0.0, "strain", 1.5)
     for step in (Clock(linear).dt_limit, 0.98 * stable_step(linear), 1.02 * stable_step(linear)):

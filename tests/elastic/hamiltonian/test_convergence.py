@@ -172,7 +172,7 @@ def test_the_limit_of_the_step_for_rare_choices(dimension: int, radius: float, c
 
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_runs_on_either_side_of_the_limit(dimension: int) -> None:
-    """At the limit, noise stays noise; 2 % above what is stable it grows without bound."""
+    """At the stability limit noise stays bounded; 2 % above it, it grows without bound."""
     cells, growth = (10, 6, 4)[:dimension], []
     linear = body_of(cells, 0.3, "strain", HAMILTONIAN)
     limit, stable = Clock(linear).dt_limit, stable_step(linear)

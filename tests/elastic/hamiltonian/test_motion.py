@@ -81,7 +81,7 @@ def test_oscillating_plate(layers: int, periods: int, tolerance: float) -> None:
 
 @pytest.mark.long
 def test_the_clamp_makes_the_period_first_order() -> None:
-    """What is held ends at x = 0, but its last particles half a spacing before it: the plate is that much too long."""
+    """The held part ends at x = 0, but its last particles half a spacing before: the plate is that much too long."""
     errors = []
     for layers in (5, 10, 20, 40):
         scene = plate(layers, 0.57)

@@ -98,7 +98,7 @@ def test_a_stretched_bar(dimension: int, law: str) -> None:
 
 
 def stretched(dimension: int, law: str) -> tuple[Scene, Box]:
-    """A bar of 16 by 4 cm whose ends are gripped, one of which is pulled away by 6 cm; and where that is."""
+    """A bar of 16 by 4 cm with both ends held, one of them pulled away by 6 cm; and the end's position."""
     body = block(dimension, (16, 4, 4), material=replace(RUBBER, law=law))
     left, right = (Box((0.04, 1.0, 1.0)[:dimension], center=(x, 0.0, 0.0)[:dimension]) for x in (-0.08, 0.08))
     way = np.outer([0.0, 0.01, 0.06], np.eye(dimension)[0])

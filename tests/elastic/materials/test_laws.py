@@ -94,7 +94,7 @@ def test_stress_is_the_gradient_of_the_energy(dimension: int, plane: str, law: s
 def test_small_strains_are_linear_elasticity(
     dimension: int, plane: str, law: str, size: float, precision: str, tolerance: float
 ) -> None:
-    """The tolerance is relative: neither law subtracts what is nearly equal, even in single precision."""
+    """The tolerance is relative: neither law subtracts nearly equal numbers, even in single precision."""
     h = gradients(dimension, size)
     strain = 0.5 * (h + h.transpose(0, 2, 1))
     lame = NU * YOUNGS / (1 - NU**2) if plane == "stress" else LAME

@@ -55,7 +55,7 @@ def dense(fluids: Fluids) -> tuple[np.ndarray, np.ndarray]:
 
 
 def slack(fluids: Fluids) -> float:
-    """The error of the number density that is none."""
+    """The excess of the number density that counts as no error."""
     return DISORDER * (L0 / fluids.model.operators.radius) ** 2
 
 
@@ -316,7 +316,7 @@ def test_a_lattice_may_come_into_disorder_at_its_volume() -> None:
 @pytest.mark.parametrize(("scale", "sign"), [(1.0, 0), (0.98, 1), (1.02, -1)])
 @pytest.mark.parametrize("scheme", SCHEMES)
 def test_the_source_restores_the_density(scheme: str, scale: float, sign: int) -> None:
-    """Inside water at rest it pushes apart what is too dense, and draws together what is too thin."""
+    """Inside water at rest it pushes particles apart where they are dense, and together where they are sparse."""
     fluids = fluids_of(tank((14, 14), flow=Flow(scheme=scheme)))
     x = fluids.state.x.numpy()
     middle = int(np.argmin(np.linalg.norm(x - 0.5 * 14 * L0, axis=1)))

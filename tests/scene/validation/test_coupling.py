@@ -1,4 +1,4 @@
-"""Scenes of water and elastic bodies: what is refused, in which words, and what is remarked."""
+"""Scenes of water and elastic bodies: refusals and their messages, remarks."""
 
 from __future__ import annotations
 

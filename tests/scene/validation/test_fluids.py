@@ -1,4 +1,4 @@
-"""Scenes of fluids: what is refused, in which words, and what is remarked."""
+"""Scenes of fluids: refusals and their messages, remarks."""
 
 from __future__ import annotations
 

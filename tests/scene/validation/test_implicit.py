@@ -1,4 +1,4 @@
-"""Static and implicit scenes: what is refused, in which words, their schedule, and their cost."""
+"""Static and implicit scenes: refusals and their messages, schedule, cost."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Every refusal of a scene names the place and the field, and says what is allowed."""
+"""Every refusal of a scene names the place, the field and the constraint."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Animations: what is in the file, that it survives its writer, and that it can be continued."""
+"""Animations: contents of the file, survival of a killed writer, continuation."""
 
 from __future__ import annotations
 

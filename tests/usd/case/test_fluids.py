@@ -1,4 +1,4 @@
-"""Fluids in stages and in results: what is read, saved, refused and written."""
+"""Fluids in stages and in results: reading, saving, refusals, writing."""
 
 from __future__ import annotations
 
@@ -195,5 +195,5 @@ def test_a_result_has_the_particles_of_every_fluid(tmp_path: Path) -> None:
         np.testing.assert_array_equal(points.GetIdsAttr().Get(), particles.ids[first:last])
         np.testing.assert_allclose(np.asarray(points.GetPointsAttr().Get(1.0))[:, :2], mixed[first:last], atol=1e-6)
         colors.add(tuple(points.GetDisplayColorPrimvar().Get()[0]))
-    # one color for what is one liquid, another for the wall
+    # one colour for the liquid, another for the wall
     assert len(colors) == 2

@@ -1,4 +1,4 @@
-"""Saving scenes: what is read back is the scene that was saved."""
+"""Saving scenes: the scene that is read back equals the saved one."""
 
 from __future__ import annotations
 

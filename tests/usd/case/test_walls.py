@@ -1,4 +1,4 @@
-"""Walls in stages and in results: what is read, what is refused, what is written."""
+"""Walls in stages and in results: reading, refusals, writing."""
 
 from __future__ import annotations
 

@@ -92,7 +92,7 @@ def measurements(run: Run) -> str:
 
 
 def measured_text(row: Mapping[str, Any]) -> str:
-    """A measurement in a line, beside its reference."""
+    """One line on a measurement and its reference."""
     unit, reference = row.get("unit") or "", row.get("reference")
     text = f"{row.get('name')}: " + ("none" if row.get("value") is None else _valued(row["value"], unit))
     text += "" if reference is None else f", reference {_valued(reference, unit)}"

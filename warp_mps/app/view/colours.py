@@ -133,7 +133,7 @@ def choose_colourings(
 
 
 def owner_of(animation: Animation, name: str) -> str:
-    """Whose a quantity is in a run of fluids and bodies: ``fluid``, ``bodies``, or empty where it is of both.
+    """Owner of a quantity in a run of fluids and bodies: ``fluid``, ``bodies``, or empty for both.
 
     The pressure is that of the fluid, for in bodies it is another thing, and often of another size.
     """

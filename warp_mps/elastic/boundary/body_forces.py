@@ -112,7 +112,7 @@ class ElasticBodyForces:
 
 
 def _rows(names: tuple[str, ...], particles: Particles) -> np.ndarray:
-    """Whether each elastic particle belongs to a body of those names, or to any if there are none, shape [n]."""
+    """Whether each elastic particle belongs to one of the named bodies (to any, without names), shape [n]."""
     acts = np.full(particles.elastic, not names)
     for name, (first, last) in zip(particles.names, particles.ranges, strict=True):
         if name in names:

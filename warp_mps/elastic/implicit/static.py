@@ -111,7 +111,7 @@ class LoadSteps:
         return f"no equilibrium was found beyond a load factor of {factor}: {causes}; {worst} was furthest from it"
 
     def _load_to(self, factor: float) -> bool:
-        """Find the equilibrium of a load factor; if there is none, restore the state."""
+        """Find the equilibrium of a load factor; restore the state if it is not found."""
         state, newton = self._parts.state, self.newton
         for kept, now in zip(self._before, (state.u, state.force, newton.applied), strict=True):
             wp.copy(kept, now)

@@ -31,7 +31,7 @@ class PressureEquation:
         normal: Unit normal of the wall's face that a particle is beside, else 0, vec [m].
         depth: Distance from that face [m], 0 if there is none, real [m].
         tilt: Offset of a particle's pair vectors to walls beside a face [m], vec [m]; see there.
-        solver: What solves it.
+        solver: Its solver.
 
     Args:
         model: Constants of the run.

@@ -1,4 +1,4 @@
-"""What elastic bodies and the fluids about them must satisfy together, and what is worth a remark."""
+"""Constraints on elastic bodies in fluids, and remarks on doubtful ones."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def check_coupling(scene: Scene) -> None:
 
 
 def remarks_on_bodies(scene: Scene) -> list[str]:
-    """What is worth knowing of the bodies in the fluids of a scene, a line each."""
+    """Remarks on the bodies in the fluids of a scene, a line each."""
     lines = [line for body in scene.bodies for line in (*_thin(body, scene), *_uneven(body, scene))]
     if scene.bodies and scene.contact.between == "none" and not scene.supports:
         lines.append("no contact and no supports: bodies go through walls and each other; use contact 'bodies'")

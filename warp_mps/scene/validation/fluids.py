@@ -1,4 +1,4 @@
-"""What the fluids of a scene must satisfy, and what is worth a remark.
+"""Constraints on the fluids of a scene, and remarks on doubtful ones.
 
 A velocity field is of bodies as well as of fluids; its check is here, beside the flows that most of its kinds are.
 """

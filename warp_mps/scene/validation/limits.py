@@ -19,7 +19,7 @@ def check_limits(record: Any, where: str, prefix: str = "") -> None:
     Args:
         record: A scene, or a part of one.
         where: What errors call it.
-        prefix: What stands before the names of its fields, such as ``flow.``.
+        prefix: Prefix of the names of its fields, such as ``flow.``.
 
     Raises:
         InputError: A number is out of its range.

@@ -33,7 +33,7 @@ def check_types(record: Any, where: str, prefix: str = "") -> None:
     Args:
         record: A scene, or a part of one.
         where: What errors call it.
-        prefix: What stands before the names of its fields, such as ``motion.``.
+        prefix: Prefix of the names of its fields, such as ``motion.``.
 
     Raises:
         InputError: A field holds something of another kind.
@@ -49,7 +49,7 @@ def check_types(record: Any, where: str, prefix: str = "") -> None:
 
 
 def records(record: Any, where: str, prefix: str = "") -> Iterator[tuple[str, Any, str]]:
-    """The records in the fields of a record, each with what stands before its fields' names and what errors call it."""
+    """The records in the fields of a record, each with the prefix of its fields' names and its name in errors."""
     for name in _hints(record.__class__):
         value = getattr(record, name)
         item: Any

@@ -1,6 +1,6 @@
 """What surrounds an animation, so that it looks right when it is opened: a camera, lights, a backdrop, materials.
 
-All of it but the materials stands beside the result, in a prim of its own: who references the result gets the particles
+All of it but the materials stands in a prim beside the result: a stage that references the result gets the particles
 and their materials alone.
 """
 
@@ -32,7 +32,7 @@ ROUGHNESS = {"body": 0.45, "fluid": 0.2, "wall": 0.7, "backdrop": 0.9}
 class Scenery:
     """The surroundings, which grow with the space that the particles have been in.
 
-    A plane is seen from straight ahead, before a wall; what is in space from obliquely above, on the ground.
+    The view of a plane is from straight ahead, before a wall; that of a space from obliquely above, on the ground.
 
     Args:
         stage: The stage; they are defined in it if they are not there.

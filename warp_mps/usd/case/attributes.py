@@ -53,7 +53,7 @@ def _rows_of(kind: type, prefix: str = "", *, optional: bool = False) -> list[St
 
     Args:
         kind: The class.
-        prefix: What stands before the names of its fields, such as ``flow.``.
+        prefix: Prefix of the names of its fields, such as ``flow.``.
         optional: Whether a scene can do without the record.
     """
     hints = typing.get_type_hints(kind)

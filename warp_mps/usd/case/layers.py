@@ -70,7 +70,7 @@ def check_layers(path: str | Path, *, allow_external: bool, tried: bool = False)
 
 
 def _arcs(layer: Sdf.Layer) -> list[tuple[str, tuple[str, str]]]:
-    """What a layer is composed of: each asset, empty for what is in the layer itself, with its place and field.
+    """The parts that a layer is composed of: asset (empty for the layer itself), place and field.
 
     Raises:
         InputError: It has value clips, which hold values that vary in time in further files.

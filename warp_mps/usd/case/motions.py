@@ -67,7 +67,7 @@ def rotation(values: Values) -> HarmonicRotation | TableRotation | None:
 
 
 def _kind(values: Values, name: str, given: dict[str, Any], kinds: tuple[type, type], rows: str) -> Any:
-    """The one of two classes, harmonic or a table, whose fields are given, and all of them that it needs."""
+    """The class, harmonic or table, that the given fields belong to; all its required fields must be given."""
     fields = [{field.name: field.default for field in dataclasses.fields(kind)} for kind in kinds]
     own = [{*fields[0]} - {*fields[1]}, {*fields[1]} - {*fields[0]}]
     harmonic, table = (bool(names & {*given}) for names in own)

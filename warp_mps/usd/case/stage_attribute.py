@@ -18,8 +18,8 @@ class StageAttribute:
         kind: Type in the stage, ``rel`` for a relationship.
         field: Field of the scene that it fills, as errors name it: in a record of its own such as ``flow.courant``.
         meaning: What it says.
-        known: What is known of the field.
-        default: Value when it is not given; None when there is none, or when it depends on the units of the stage.
+        known: Metadata of the field.
+        default: Default value; None without one, or where it depends on the units of the stage.
         si_default: Default in SI units, where it depends on the units of the stage.
         allowed: Allowed words.
         required: Whether it must be given.
