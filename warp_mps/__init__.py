@@ -17,6 +17,8 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from warp_mps.version import __version__ as __version__
+
 if TYPE_CHECKING:
     from warp_mps.app.notebook import picture, plot, report, video
     from warp_mps.errors import InputError, RunError
@@ -55,7 +57,6 @@ if TYPE_CHECKING:
     from warp_mps.usd.case.save import save_stage
     from warp_mps.usd.shipped_cases import find_case, shipped_cases
 
-__version__ = "0.1.0"
 
 # where each public name is defined; they are imported when they are first used, for Warp and USD take seconds to load
 _HOMES = {

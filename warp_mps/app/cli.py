@@ -14,12 +14,12 @@ from typing import Annotated, Any, Literal
 
 from tyro.conf import Positional, UseAppendAction, arg
 
-from warp_mps import __version__
 from warp_mps.app import result_commands
 from warp_mps.app.arguments import parse
 from warp_mps.core.interrupts import first_interrupt_only
 from warp_mps.errors import InputError, RunError
 from warp_mps.scene.choices import ELASTIC_MODELS, PRECISIONS, ElasticModelName, PrecisionName
+from warp_mps.version import __version__
 
 SUBJECTS: tuple[Literal["elastic", "fluids", "coupling"], ...] = ("elastic", "fluids", "coupling")
 Case = Annotated[str, arg(metavar="CASE", help="Path of a stage, or the name of a shipped case (see list).")]

@@ -8,10 +8,10 @@ from importlib.metadata import PackageNotFoundError, version
 
 import numpy as np
 
-from warp_mps import __version__
 from warp_mps.run.simulation import Simulation
 from warp_mps.scene import Scene
 from warp_mps.scene.choices import PrecisionName
+from warp_mps.version import __version__
 
 
 def fingerprint(scene: Scene, precision: PrecisionName) -> str:

@@ -13,7 +13,6 @@ from typing import Any
 import matplotlib as mpl
 import numpy as np
 
-from warp_mps import __version__
 from warp_mps.app.report import tables
 from warp_mps.app.report.diagrams import make_diagrams
 from warp_mps.app.report.frames import Frames, make_frames
@@ -21,6 +20,7 @@ from warp_mps.app.report.run_data import Run, read_run
 from warp_mps.app.view.colours import DIVERGING, SEQUENTIAL
 from warp_mps.errors import InputError
 from warp_mps.results.atomic_write import write_whole
+from warp_mps.version import __version__
 
 # in the order in which they need each other
 SCRIPTS = ("data", "colors", "camera", "shaders", "scene", "pick", "plots", "controls", "player", "main")

@@ -22,7 +22,7 @@ def stable_time_step(body: Body, scene: Scene) -> float:
     `DENSITY_RATIO` times the smallest density among all bonded materials. This bound held for every pattern of two
     materials that was tried; a checkerboard of a stiff and a light material nearly reaches it.
     """
-    lightest = min(material.density for other in bonded_bodies(body, scene) for material in other.materials)
+    lightest = min(material.density for other in bonded_bodies(body, scene.bodies) for material in other.materials)
     return min(
         _stable_time_step(
             replace(material, density=min(material.density, DENSITY_RATIO * lightest)), body.spacing, scene

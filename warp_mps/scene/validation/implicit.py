@@ -43,7 +43,7 @@ def check_implicit(scene: Scene) -> None:
 
 def touches(scene: Scene) -> bool:
     """Whether elastic bodies can touch each other, themselves or walls."""
-    several = len(bonded_bodies(scene.bodies[0], scene)) < len(scene.bodies) or bool(scene.walls)
+    several = len(bonded_bodies(scene.bodies[0], scene.bodies)) < len(scene.bodies) or bool(scene.walls)
     return scene.contact.between == "all" or (scene.contact.between == "bodies" and several)
 
 
