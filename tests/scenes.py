@@ -92,3 +92,8 @@ def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     if a.shape[1] == 3:
         return np.cross(a, b)
     return (a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0])[:, None]
+
+
+def short_run(steps: int) -> Simulation:
+    """A run of so many steps."""
+    return Simulation(scene_of(block(2, velocity=(1.0, 0.0)), time_step=1e-6, duration=steps * 1e-6))

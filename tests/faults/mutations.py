@@ -8,36 +8,14 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-import numpy as np
 from pxr import Gf, Sdf, Vt
 
-Random = np.random.Generator
+from tests.faults.wild_values import KINDS, TYPES, WILD, WORDS, Random, any_value, is_numeric, pick, wild_value
+
 Change = Callable[[Sdf.Layer, Random], str]
 
-WILD = (*(float("nan"), float("inf"), float("-inf"), 0.0, -0.0, -1.0, 1.0, 1e-3, 1e3, 1e-12, 1e12, -1e12, 1e-30, 1e30),
-        *(1e-300, 1e300, -1e300, 1.7e308, 5e-324, 2.0**31, 2.0**53))  # fmt: skip
-WHOLE = (0, -1, 1, 2, 3, 7, 1000, 10**6, 2**31 - 1, -(2**31))
-WORDS = (
-    *("", "x", "xyz", "xx", "zyx", "body", "wall", "fluid", "probe", "none", "static", "implicit", "springs", "twist"),
-    *("a b", "contact_force", "pressure", "section_moment", "standing_wave", "cubic", "stress", "frequency", "X", "Hz"),
-    *("\u00e9t\u00e9", "long " * 2000, "two\nlines", "[bold]", "%s{}", "harmonic_phase"),
-)
-TYPES = (
-    *("Cube", "Sphere", "Cylinder", "Mesh", "Points", "Xform", "Scope", "Material", "PhysicsScene", "Camera", "Cone"),
-    *("BasisCurves", "PointInstancer", "Capsule", "", "Nonsense", "PhysicsRigidBodyAPI", "Plane", "SkelRoot"),
-)
-KINDS = (
-    *("double", "float", "int", "bool", "token", "string", "asset", "double3", "float3", "vector3f", "double2", "half"),
-    *("double[]", "int[]", "double3[]", "token[]", "string[]", "point3f[]", "matrix4d", "quatd", "uint64", "timecode"),
-)
 UNITS = ("metersPerUnit", "kilogramsPerUnit", "upAxis", "timeCodesPerSecond", "framesPerSecond", "startTimeCode",
          "endTimeCode", "defaultPrim", "subLayers")  # fmt: skip
-
-
-def pick(random: Random, items: Any) -> Any:
-    """One of some items."""
-    items = list(items)
-    return items[int(random.integers(len(items)))]
 
 
 def prims(layer: Sdf.Layer) -> list[Sdf.PrimSpec]:
@@ -67,14 +45,14 @@ def wrong_type(layer: Sdf.Layer, random: Random) -> str:
     prim, name = layer.GetPrimAtPath(spec.path.GetPrimPath()), spec.name
     del prim.properties[name]
     new = Sdf.AttributeSpec(prim, name, Sdf.ValueTypeNames.Find(kind))
-    new.default = new.typeName.defaultValue if random.random() < 0.3 else _value(kind, random)
+    new.default = new.typeName.defaultValue if random.random() < 0.3 else any_value(kind, random)
     return f"{spec.path if spec else name} is {kind}"
 
 
 def wild_number(layer: Sdf.Layer, random: Random) -> str:
     """A number, or a component of a vector, is one that nobody means."""
-    spec = pick(random, attributes(layer, _numeric))
-    spec.default = _wild(spec.default, random)
+    spec = pick(random, attributes(layer, is_numeric))
+    spec.default = wild_value(spec.default, random)
     return f"{spec.path} = {spec.default}"[:200]
 
 
@@ -172,7 +150,7 @@ def extra_attribute(layer: Sdf.Layer, random: Random) -> str:
 
     prim = pick(random, prims(layer))
     row = pick(random, [row for table in TABLE.values() for row in table.values() if row.kind != "rel"])
-    value = _value(row.kind, random)
+    value = any_value(row.kind, random)
     if row.allowed and row.kind == "token" and random.random() < 0.8:
         value = pick(random, row.allowed)
     _give(prim, row.name, row.kind, value)
@@ -307,39 +285,6 @@ def _give(prim: Sdf.PrimSpec, name: str, kind: str, value: Any) -> Sdf.Attribute
     spec = Sdf.AttributeSpec(prim, name, Sdf.ValueTypeNames.Find(kind))
     spec.default = value
     return spec
-
-
-def _numeric(value: Any) -> bool:
-    return isinstance(value, int | float | Gf.Vec3d | Gf.Vec3f) and not isinstance(value, bool)
-
-
-def _wild(value: Any, random: Random) -> Any:
-    if isinstance(value, int):
-        return pick(random, WHOLE)
-    if isinstance(value, float):
-        return pick(random, (*WILD, *(value * factor for factor in (-1.0, 0.1, 0.5, 2.0, 10.0))))
-    parts = list(value)
-    parts[int(random.integers(len(parts)))] = pick(random, WILD)
-    return type(value)(*parts)
-
-
-def _value(kind: str, random: Random) -> Any:
-    """Some value of a type."""
-    name = Sdf.ValueTypeNames.Find(kind)
-    example = name.scalarType.defaultValue if name.isArray else name.defaultValue
-    if isinstance(example, str):
-        one = pick(random, WORDS)
-    elif _numeric(example):
-        one = _wild(example, random)
-    else:
-        one = example
-    if not name.isArray:
-        return int(one) % 2**31 if kind == "uint64" else one
-    array = type(name.defaultValue)
-    try:
-        return array([one] * pick(random, (0, 1, 2, 3, 1000)))
-    except (TypeError, OverflowError):
-        return array()
 
 
 CHANGES: dict[str, Change] = {
