@@ -7,7 +7,8 @@ from dataclasses import replace
 from warp_mps.core.neighbours import METHOD as NEIGHBOURS
 from warp_mps.core.neighbours import neighbour_kernels
 from warp_mps.core.types import NumericTypes
-from warp_mps.elastic.boundary.boundary_kernels import METHOD, boundary_kernels
+from warp_mps.elastic import METHOD
+from warp_mps.elastic.boundary.boundary_kernels import boundary_kernels
 from warp_mps.elastic.contact.friction_kernels import friction_kernels
 from warp_mps.elastic.contact.kernels import contact_kernels
 from warp_mps.elastic.contact.search_kernels import search_kernels

@@ -7,8 +7,7 @@ import warp as wp
 
 from warp_mps.core.prescribed_motion import prescribed_motion_functions
 from warp_mps.core.types import NumericTypes
-
-METHOD = "elastic"
+from warp_mps.elastic import METHOD
 
 
 @functools.cache

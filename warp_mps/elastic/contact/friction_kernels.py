@@ -26,9 +26,9 @@ from types import SimpleNamespace
 import warp as wp
 
 from warp_mps.core.types import NumericTypes
+from warp_mps.elastic import METHOD
 from warp_mps.elastic.contact.kernels import contact_funcs
 
-METHOD = "elastic"
 # least variance of the tangential distances for friction, in squares of half of the support; a lattice has 0.2
 SPREAD = 0.1
 

@@ -22,9 +22,9 @@ import warp as wp
 
 from warp_mps.core.types import NumericTypes
 from warp_mps.core.weights import wendland_functions
+from warp_mps.elastic import METHOD
 from warp_mps.elastic.contact.law import SUPPORT
 
-METHOD = "elastic"
 # particles of one thread: on a CPU most have no candidates, and a loop is faster than a call
 PARTICLES_PER_THREAD = {"cpu": 64, "cuda": 1}
 

@@ -11,9 +11,9 @@ from types import SimpleNamespace
 import warp as wp
 
 from warp_mps.core.types import NumericTypes
+from warp_mps.elastic import METHOD
 from warp_mps.elastic.contact.kernels import contact_funcs
 
-METHOD = "elastic"
 # largest number of groups of bodies near one particle
 FACES = 8
 # particles of one bounding box

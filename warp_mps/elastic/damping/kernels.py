@@ -33,9 +33,8 @@ from types import SimpleNamespace
 import warp as wp
 
 from warp_mps.core.types import NumericTypes
+from warp_mps.elastic import METHOD
 from warp_mps.elastic.hamiltonian.pair_sums import pair_sums
-
-METHOD = "elastic"
 
 
 @functools.cache

@@ -29,10 +29,9 @@ import warp as wp
 
 from warp_mps.core.types import NumericTypes, numeric_types
 from warp_mps.core.weights import weight_function
+from warp_mps.elastic import METHOD
 from warp_mps.elastic.hamiltonian.pair_sums import pair_sums
 from warp_mps.elastic.materials.laws import law_funcs
-
-METHOD = "elastic"
 
 
 @functools.cache

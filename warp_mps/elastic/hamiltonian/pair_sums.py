@@ -10,8 +10,7 @@ from types import SimpleNamespace
 import warp as wp
 
 from warp_mps.core.types import NumericTypes
-
-METHOD = "elastic"
+from warp_mps.elastic import METHOD
 
 
 @functools.cache

@@ -20,8 +20,8 @@ from types import SimpleNamespace
 import warp as wp
 
 from warp_mps.core.types import NumericTypes
+from warp_mps.elastic import METHOD
 
-METHOD = "elastic"
 # Newton steps for the stretch across the plane; the equation is nearly linear in its logarithm
 NEWTON_STEPS = 6
 # terms of the series: enough for double precision up to 0.3

@@ -6,8 +6,8 @@ from types import SimpleNamespace
 import warp as wp
 
 from warp_mps.core.types import NumericTypes
+from warp_mps.elastic import METHOD
 
-METHOD = "elastic"
 CHUNK = 512
 
 

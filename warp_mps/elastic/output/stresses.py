@@ -21,9 +21,8 @@ import warp as wp
 
 from warp_mps.core.rotation import rotation_funcs
 from warp_mps.core.types import NumericTypes
+from warp_mps.elastic import METHOD
 from warp_mps.elastic.materials.laws import law_funcs
-
-METHOD = "elastic"
 
 
 class StressFields(NamedTuple):

@@ -23,8 +23,7 @@ import warp as wp
 from warp_mps.core.rotation import rotation_funcs
 from warp_mps.core.types import NumericTypes, numeric_types
 from warp_mps.core.weights import weight_function
-
-METHOD = "elastic"
+from warp_mps.elastic import METHOD
 
 
 @functools.cache

@@ -14,8 +14,7 @@ import warp as wp
 
 from warp_mps.core.rotation import rotation_funcs
 from warp_mps.core.types import NumericTypes
-
-METHOD = "elastic"
+from warp_mps.elastic import METHOD
 
 
 @functools.cache

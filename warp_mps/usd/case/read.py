@@ -102,7 +102,7 @@ class _Reader:
         return Scene(
             name=name,
             description=self.stage.GetRootLayer().documentation,
-            gravity=stage_contents.gravity(self.stage, self.physics, self.frame),
+            gravity=stage_contents.gravity(self.physics, self.frame),
             bodies=tuple(self._body(prim) for prim in self.parts["body"]),
             walls=tuple(self._wall(prim) for prim in self.parts["wall"]),
             fluids=tuple(self._fluid(prim) for prim in self.parts["fluid"]),

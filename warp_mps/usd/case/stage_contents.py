@@ -77,7 +77,7 @@ def frame(stage: Usd.Stage, physics: Usd.Prim) -> Frame:
     return Frame(StageFrame(axes=axes, up_axis=up_axis, meters_per_unit=length, kilograms_per_unit=mass), dimension)
 
 
-def gravity(stage: Usd.Stage, physics: Usd.Prim, frame: Frame) -> tuple[float, ...]:
+def gravity(physics: Usd.Prim, frame: Frame) -> tuple[float, ...]:
     """Gravity by the rules of UsdPhysics: a zero direction is down, a negative magnitude is that of the Earth."""
     row, path = TABLE["scene"]["physics:gravityMagnitude"], str(physics.GetPath())
     given = UsdPhysics.Scene(physics).GetGravityMagnitudeAttr()
