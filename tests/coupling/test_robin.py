@@ -167,7 +167,7 @@ def test_approximate_forces_carry_the_pressure() -> None:
     fluid.state.p.fill_(pressure)
     robin.find_forces(fluid.state.p)
     work = wp.zeros(e, dtype=wp.float64, device="cpu")
-    fluid.forces.push_walls(e, wp.ones(1, dtype=wp.float64, device="cpu"), forces, work)
+    fluid.forces.add_wall_impulse(e, wp.ones(1, dtype=wp.float64, device="cpu"), forces, work)
     x = fluid.state.x.numpy()[:e]
     middle = np.abs(x[:, 0] - 7 * L0) < 2 * L0
     for found in (robin.forces.numpy(), forces.numpy()):

@@ -156,10 +156,10 @@ class FixedPointPasses:
         fluid.pressure.solve_with(self.robin.multiply, same=same)
         self.robin.find_forces(fluid.state.p)
         if fluid.body_forces:
-            fluid.body_forces.lean_walls(self._markers.count)
+            fluid.body_forces.subtract_from_walls(self._markers.count)
         self.pressure_force.zero_()
         fluid.forces.find_slopes()
-        fluid.forces.push_walls(self._markers.count, self._one, self.pressure_force, self._work)
+        fluid.forces.add_wall_impulse(self._markers.count, self._one, self.pressure_force, self._work)
 
     def _find_accelerations(self) -> None:
         """Launch the accelerations of the markers over the bodies' step."""

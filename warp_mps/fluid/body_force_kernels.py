@@ -15,12 +15,12 @@ METHOD = "fluid_body_force"
 
 @functools.cache
 def body_force_kernels(types: NumericTypes) -> SimpleNamespace:
-    """Kernels `push_velocity`, `add_acceleration`, `lean_walls` and `add_work`."""
+    """Kernels `add_to_velocity`, `add_acceleration`, `subtract_from_walls` and `add_work`."""
     real, vec = types.real, types.vec
     vec64 = wp.types.vector(length=types.dimension, dtype=wp.float64)
 
     @types.kernel(METHOD)
-    def push_velocity(
+    def add_to_velocity(
         # Model:
         walls: wp.int32,  # number of wall particles w
         # State in:
@@ -63,7 +63,7 @@ def body_force_kernels(types: NumericTypes) -> SimpleNamespace:
             work[k] = work[k] + wp.float64(0.5) * wp.dot(given, vec64(u[i]))
 
     @types.kernel(METHOD)
-    def lean_walls(
+    def subtract_from_walls(
         # Model:
         moving: wp.array(dtype=wp.int32),  # 1 for particles of moving walls, else 0, [w]
         # State in:
@@ -101,5 +101,8 @@ def body_force_kernels(types: NumericTypes) -> SimpleNamespace:
             work[k] = work[k] + wp.float64(0.5) * mass * dt[0] * wp.dot(vec64(force[i]), vec64(u[i]))
 
     return SimpleNamespace(
-        push_velocity=push_velocity, add_acceleration=add_acceleration, lean_walls=lean_walls, add_work=add_work
+        add_to_velocity=add_to_velocity,
+        add_acceleration=add_acceleration,
+        subtract_from_walls=subtract_from_walls,
+        add_work=add_work,
     )

@@ -63,7 +63,7 @@ class FluidBodyForces:
         """Evaluate the forces of the initial state, and return the longest step that they allow [s]."""
         self.evaluate()
         self.launch()
-        self.lean_walls()
+        self.subtract_from_walls()
         accelerations = self._forces.accelerations.numpy()[self._model.walls :].astype(float)
         largest = float(np.sqrt(np.max(np.sum(accelerations**2, axis=1))))
         return FORCE_STEP * float(np.sqrt(self._model.spacing / largest)) if largest > 0.0 else np.inf
@@ -77,10 +77,10 @@ class FluidBodyForces:
         """Launch the accelerations at the present positions and time."""
         self._forces.launch(self._state.x, self._state.time)
 
-    def pushed_velocity(self, dt: wp.array) -> wp.array:
+    def velocity_with_force(self, dt: wp.array) -> wp.array:
         """Launch the velocities u + dt f [m/s], vec [n], for an implicit step of viscosity."""
         inputs = [self._model.walls, dt, self._forces.accelerations, self._state.u]
-        self._model.launch(self._kernels.push_velocity, len(self._state.u), inputs, [self._velocity])
+        self._model.launch(self._kernels.add_to_velocity, len(self._state.u), inputs, [self._velocity])
         return self._velocity
 
     def add_to(self, acceleration: wp.array, dt: wp.array, *, keep: bool) -> None:
@@ -95,18 +95,20 @@ class FluidBodyForces:
         inputs = [model.walls, float(keep), model.mass, dt, self._forces.accelerations, state.u, state.lost]
         model.launch(self._kernels.add_acceleration, model.count, inputs, [acceleration, self._impulse, self._work])
 
-    def lean_walls(self, count: int | None = None) -> None:
+    def subtract_from_walls(self, count: int | None = None) -> None:
         """Launch the subtraction of the forces from the accelerations of wall particles.
 
         Args:
-            count: How many of the first ones, whose accelerations are all given anew; None is all, of which only those
-                of moving walls are.
+            count: Number of first wall particles, all with new accelerations; None is all wall particles, of which
+                only those of moving walls have new ones.
         """
         model, moving = self._model, self._moving
         if count is not None:
             moving = self._given
         inputs = [moving, self._forces.accelerations]
-        model.launch(self._kernels.lean_walls, model.walls if count is None else count, inputs, [self._state.a])
+        model.launch(
+            self._kernels.subtract_from_walls, model.walls if count is None else count, inputs, [self._state.a]
+        )
 
     def end_step(self, dt: wp.array) -> None:
         """Launch the second half of the work, with the velocities at the end of the step."""
@@ -128,7 +130,7 @@ class FluidBodyForces:
         return float(np.sum(self._work.numpy()))
 
     def arrays(self) -> dict[str, np.ndarray]:
-        """What evolves here, for a checkpoint."""
+        """Everything that evolves here, for a checkpoint."""
         own = {"body_force": self._forces.accelerations, "body_force_work": self._work}
         copies = {name: array.numpy().copy() for name, array in own.items()}
         return {**copies, "body_force_mean": self.mean_acceleration}

@@ -52,7 +52,7 @@ class PressureForces:
         inputs += [self._equation.density_scale, self.slopes]
         model.launch(self._kernels.pressure_velocity_change, model.count, inputs, [du])
 
-    def push_walls(self, count: int, dt: wp.array, impulse: wp.array, work: wp.array) -> None:
+    def add_wall_impulse(self, count: int, dt: wp.array, impulse: wp.array, work: wp.array) -> None:
         """Launch the impulses on the first particles of walls in a time, and the walls' work.
 
         Args:

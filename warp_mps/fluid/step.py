@@ -140,8 +140,8 @@ class FluidStep:
         inputs = [constants, table, model.no_slip, state.x, u, state.lost]
         model.launch(self._kernels.ghost_velocity, model.walls, inputs, [self.ghost_velocity])
         if self.implicit_viscosity:
-            pushed = self.body_forces.pushed_velocity(self.time_step.dt) if self.body_forces else u
-            now = [self.time_step.dt, state.x, pushed, state.lost, self.ghost_velocity]
+            driven = self.body_forces.velocity_with_force(self.time_step.dt) if self.body_forces else u
+            now = [self.time_step.dt, state.x, driven, state.lost, self.ghost_velocity]
             self.implicit_viscosity.solve(constants, [constants, table, model.no_slip, *now], u)
             u = self.implicit_viscosity.u
         inputs = [constants, table, model.no_slip, state.x, u, state.lost, self.ghost_velocity]
@@ -155,7 +155,7 @@ class FluidStep:
         model.launch(self._kernels.predict, len(state.x), inputs, outputs)
         self.wall_motion.place(self.time_step.end)
         if self.body_forces:
-            self.body_forces.lean_walls()
+            self.body_forces.subtract_from_walls()
 
     def update_neighbours(self) -> None:
         """Renew the neighbour lists if a particle has moved by half of their margin."""
@@ -174,7 +174,7 @@ class FluidStep:
         """Correct velocities and positions by the gradient of the pressure, and sum up its impulse on the walls."""
         model, state, dt = self.model, self.state, self.time_step.dt
         self.forces.accelerate(dt, self.velocity_change)
-        self.forces.push_walls(model.walls, dt, state.impulse, state.work)
+        self.forces.add_wall_impulse(model.walls, dt, state.impulse, state.work)
         inputs = [model.constants, dt, self.velocity_change]
         model.launch(self._kernels.correct, model.count, inputs, [state.x, state.u])
 
@@ -239,7 +239,7 @@ class FluidStep:
         self.wall_motion.place(state.time)
         if self.body_forces:
             self.body_forces.assign(arrays)
-            self.body_forces.lean_walls()
+            self.body_forces.subtract_from_walls()
 
     @property
     def solvers(self) -> dict[str, ConjugateGradient]:

@@ -63,7 +63,7 @@ def fill_scene(scene: Scene) -> Particles:
         liquid=int(counts[len(counts) - len(scene.fluids) :].sum()),
         positions=positions,
         velocities=np.concatenate([velocities for _, velocities, _ in parts]),
-        angular_velocities=np.concatenate([spins for _, _, spins in parts]),
+        angular_velocities=np.concatenate([rates for _, _, rates in parts]),
         masses=densities * spacings**scene.dimension,
         spacings=spacings,
         bodies=of_body,
@@ -106,12 +106,12 @@ def _started(scene: Scene, item: Body | Fluid, positions: np.ndarray, kept: np.n
         velocities += np.asarray(item.velocity, float)
     if item.velocity_field is not None:
         velocities += velocity(item.velocity_field, positions)
-    spins = np.zeros((len(positions), 2 * scene.dimension - 3))
+    rates = np.zeros((len(positions), 2 * scene.dimension - 3))
     if item.angular_velocity is not None:
-        spins += np.atleast_1d(np.asarray(item.angular_velocity, float))
-        velocities += _spin_velocity(spins, positions - positions.mean(axis=0))
+        rates += np.atleast_1d(np.asarray(item.angular_velocity, float))
+        velocities += _rotation_velocity(rates, positions - positions.mean(axis=0))
     order = _cell_order(positions, item.spacing * scene.elasticity.effective_radius)
-    return positions[order], velocities[order], spins[order]
+    return positions[order], velocities[order], rates[order]
 
 
 def _fill_walls(scene: Scene) -> list[Filled]:
@@ -151,11 +151,11 @@ def _materials(scene: Scene, positions: np.ndarray, of_body: np.ndarray) -> np.n
     return materials
 
 
-def _spin_velocity(spins: np.ndarray, arms: np.ndarray) -> np.ndarray:
+def _rotation_velocity(rates: np.ndarray, arms: np.ndarray) -> np.ndarray:
     """Velocity omega x r, in 2-D with omega along the normal."""
     if arms.shape[1] == 2:
-        return spins * np.column_stack((-arms[:, 1], arms[:, 0]))
-    return np.cross(spins, arms)
+        return rates * np.column_stack((-arms[:, 1], arms[:, 0]))
+    return np.cross(rates, arms)
 
 
 def _cell_order(positions: np.ndarray, cell: float) -> np.ndarray:

@@ -217,13 +217,13 @@ def _finer(scene: Scene, body: Body) -> int:
     return max(1, round(scene.fluids[0].spacing / body.spacing))
 
 
-def _contact_of(scene: Scene, touching: Mapping[int, float], rubbing: Mapping[int, float]) -> float:
+def _contact_of(scene: Scene, touching: Mapping[int, float], friction: Mapping[int, float]) -> float:
     """Additional cost of contact per particle: the first where bodies can touch, and the second with friction."""
     several = len(scene.bodies) + len(scene.walls) > 1
     if scene.contact.between == "none" or not (several or scene.contact.between == "all"):
         return 0.0
-    rubs = scene.contact.friction or any(wall.friction for wall in scene.walls)
-    return touching[scene.dimension] + (rubbing[scene.dimension] if rubs else 0.0)
+    slides = scene.contact.friction or any(wall.friction for wall in scene.walls)
+    return touching[scene.dimension] + (friction[scene.dimension] if slides else 0.0)
 
 
 def refuse_too_large(scene: Scene) -> None:

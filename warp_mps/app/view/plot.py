@@ -1,4 +1,4 @@
-"""The history of a run as a sheet of small diagrams: every probe and the energies against time."""
+"""The history of a run as a figure of small diagrams: every probe and the energies against time."""
 
 from __future__ import annotations
 

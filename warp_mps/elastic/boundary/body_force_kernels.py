@@ -12,7 +12,7 @@ METHOD = "elastic_body_force"
 
 @functools.cache
 def body_force_kernels(types: NumericTypes) -> SimpleNamespace:
-    """Kernels `locate`, `tell_time`, `weigh` and `add_work`."""
+    """Kernels `locate`, `elapsed_time`, `weigh` and `add_work`."""
     real, vec = types.real, types.vec
 
     @types.kernel(METHOD)
@@ -31,7 +31,7 @@ def body_force_kernels(types: NumericTypes) -> SimpleNamespace:
         x_out[i] = reference[i] + u[i] + ahead * v[i]
 
     @types.kernel(METHOD)
-    def tell_time(
+    def elapsed_time(
         # Model:
         dt: wp.float64,  # time step [s]
         # State in:
@@ -76,4 +76,4 @@ def body_force_kernels(types: NumericTypes) -> SimpleNamespace:
         work[i] = work[i] + wp.float64(0.5) * dt * (power[i] + new)
         power[i] = new
 
-    return SimpleNamespace(locate=locate, tell_time=tell_time, weigh=weigh, add_work=add_work)
+    return SimpleNamespace(locate=locate, elapsed_time=elapsed_time, weigh=weigh, add_work=add_work)

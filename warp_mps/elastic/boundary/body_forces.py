@@ -69,7 +69,7 @@ class ElasticBodyForces:
 
     def launch(self, state: ElasticState, steps: wp.array, dt: float, total: wp.array) -> None:
         """Launch the forces at the time of so many steps of dt [s], added to the total forces [N]."""
-        self._launch(self._kernels.tell_time, [dt, steps], [self._time], count=1)
+        self._launch(self._kernels.elapsed_time, [dt, steps], [self._time], count=1)
         self._add(state, 0.0, total)
 
     def apply(self, state: ElasticState, time: float, total: wp.array, *, ahead: float = 0.0) -> None:

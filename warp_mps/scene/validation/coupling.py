@@ -59,7 +59,7 @@ def _thin(body: Body, scene: Scene) -> list[str]:
 
 
 def _uneven(body: Body, scene: Scene) -> list[str]:
-    """A line about a body that is no whole number of the water's spacings thick, which pushes the water off."""
+    """A remark on a body whose thickness is not a whole number of the water's spacings, so that it repels the water."""
     if not isinstance(body.shape, Box):
         return []
     ratio = round(scene.fluids[0].spacing / body.spacing)
