@@ -92,7 +92,7 @@ class Mobility:
         return np.divide(self._sum(a, b), square, out=np.zeros(len(square)), where=square > 0.0)
 
     def arrays(self) -> dict[str, np.ndarray]:
-        """What evolves, for a checkpoint."""
+        """Everything that evolves here, for a checkpoint."""
         return {"mobility": self.array.numpy().copy(), "mobility_step": np.array([self._dt, self._steps])}
 
     def assign(self, arrays: dict[str, np.ndarray]) -> None:

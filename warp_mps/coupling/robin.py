@@ -22,7 +22,7 @@ class RobinTerm:
 
     Attributes:
         wet: 1 for fluid particles with a marker among their neighbours, else 0, int32 [m].
-        diagonal: What the term adds to the diagonal, where `wet`, real [m].
+        diagonal: Part of the diagonal by the term, where `wet` [1/m^2], real [m].
         linearization: Linearization point F0: forces on the markers [N], vec [e].
         forces: Forces F(p) of the last pressures on the markers, as the term approximates them [N], vec [e].
 

@@ -22,9 +22,9 @@ class ElasticSystem(ABC):
     """Parts, state and readings of elastic bodies; it is a `warp_mps.run.system.System`.
 
     Args:
-        parts: What the bodies are made of.
+        parts: Parts of the bodies.
         evolution: Everything that evolves.
-        readings: What may be asked.
+        readings: Quantities of the particles, and energies.
 
     Attributes:
         parts: As given.

@@ -25,7 +25,7 @@ class AdaptiveTimeStep:
 
     Args:
         model: Constants of the run.
-        state: What evolves.
+        state: State of the fluid.
     """
 
     def __init__(self, model: FluidModel, state: FluidState) -> None:

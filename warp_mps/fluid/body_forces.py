@@ -38,7 +38,7 @@ class FluidBodyForces:
     Args:
         scene: The case.
         model: Constants of the run.
-        state: What evolves.
+        state: State of the fluid.
         forces: The body forces, at all n particles.
     """
 

@@ -37,7 +37,7 @@ class Fluids:
 
     Attributes:
         model: Constants of the run.
-        state: What evolves.
+        state: State of the fluid.
         step: The phases of a step.
         readings: Quantities of the particles, and energies.
         failures: Detection of failures.
@@ -80,7 +80,7 @@ class Fluids:
         return self.state.now
 
     def statistics(self) -> Statistics:
-        """What the pressure solve has done so far."""
+        """Statistics of the pressure solves so far."""
         return self.step.pressure.solver.read_statistics()
 
     def arrays(self) -> dict[str, np.ndarray]:

@@ -106,7 +106,7 @@ class ImplicitViscosity:
 
     Attributes:
         u: Viscous velocities of all particles [m/s], vec [n].
-        solver: What solves for each component.
+        solver: Solver of each component.
 
     Args:
         n: Number of particles.

@@ -21,7 +21,7 @@ class PressureForces:
 
     Args:
         model: Constants of the run.
-        state: What evolves.
+        state: State of the fluid.
         neighbours: Neighbour lists.
         equation: The pressure Poisson equation, of which faces and density scales are taken.
     """

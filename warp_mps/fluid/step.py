@@ -43,7 +43,7 @@ class FluidStep:
 
     Attributes:
         model: Constants of the run.
-        state: What evolves.
+        state: State of the fluid.
         neighbours: Neighbour lists.
         time_step: Length of the step, found on the device.
         wall_motion: Prescribed motion of the walls.

@@ -17,7 +17,7 @@ class WallMotion:
     Args:
         scene: The case.
         model: Constants of the run.
-        state: What evolves.
+        state: State of the fluid.
     """
 
     def __init__(self, scene: Scene, model: FluidModel, state: FluidState) -> None:

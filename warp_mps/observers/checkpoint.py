@@ -50,7 +50,7 @@ class CheckpointWriter(Observer):
 
     Args:
         folder: Where checkpoint.npz goes; the one before it stays as checkpoint.prev.npz.
-        fingerprint: What the checkpoint belongs to, e.g. a hash of the case.
+        fingerprint: Identity of the run, e.g. a hash of the case.
         every: Steps between two looks.
         interval: Wall seconds between two saves.
         results: Files that a run continues from as well; they are on the disk before the checkpoint is.
@@ -143,7 +143,7 @@ def load_checkpoint(
 
     Args:
         folder: The folder.
-        fingerprint: What the checkpoint must belong to.
+        fingerprint: Identity that the checkpoint must have.
         announce: Called with a message if the newest is damaged and the one before it is taken.
 
     Raises:

@@ -30,7 +30,7 @@ def interpolate(
     Args:
         particles: The particles.
         point: The point [m], shape [dimension].
-        where: What the point belongs to, for the error message.
+        where: Owner of the point, for the error message.
         attribute: Which of its attributes the point is, for the error message.
 
     Returns:

@@ -43,7 +43,7 @@ def evaluate(measurement: Measurement, times: np.ndarray, values: np.ndarray) ->
     """Draw a number from a history.
 
     Args:
-        measurement: What to draw; see the module for each measure.
+        measurement: The measurement; see the module for each measure.
         times: Times, increasing [s], shape [m].
         values: Values of the probe's component, shape [m].
 

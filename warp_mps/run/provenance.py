@@ -33,7 +33,7 @@ def versions() -> dict[str, str]:
 
 
 def provenance(simulation: Simulation) -> dict[str, str | float | int]:
-    """What run.usdc says of its origin, by name."""
+    """Origin of a result, as run.usdc states it, by name."""
     scene = simulation.scene
     return {
         "case": scene.name,

@@ -1,4 +1,4 @@
-"""What can be read of a run at one moment: quantities of its particles, as read-only NumPy arrays."""
+"""Readings of a run at one moment: quantities of its particles, as read-only NumPy arrays."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a person describes: bodies, walls, materials, supports, loads, probes and the answers to expect.
+"""Description of a case: bodies, walls, materials, supports, loads, probes and the answers to expect.
 
 A :class:`Scene` is plain data in SI units. It knows neither Warp nor USD: `warp_mps.usd` reads one from a stage and
 saves it as one, `warp_mps.particles.filling` fills it with particles. A 2-D scene lies in the x-y plane of its own

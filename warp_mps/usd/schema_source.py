@@ -95,7 +95,7 @@ def _property(row: StageAttribute) -> list[str]:
 
 
 def _summary(role: str) -> str:
-    """What a role is: the first paragraph of the docstring of its class."""
+    """Description of a role: the first paragraph of the docstring of its class."""
     return " ".join((CLASSES[role].__doc__ or "").split("\n\n")[0].split())
 
 

@@ -84,7 +84,7 @@ def _write(animation: Animation, number: int, path: Path) -> None:
 
 
 def _arrays(animation: Animation, number: int, frame: int) -> dict[str, np.ndarray]:
-    """What varies, by the names of the datasets; tensors as rows of nine numbers."""
+    """Quantities that vary, by the names of the datasets; tensors as rows of nine numbers."""
     values = {"velocity": animation.velocities(number, frame), **animation.quantities(number, frame)}
     flat = {name: array.reshape(len(array), -1) if array.ndim > 2 else array for name, array in values.items()}
     return {

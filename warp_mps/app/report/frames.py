@@ -25,7 +25,7 @@ SHORTEST = 3.0
 
 @dataclass
 class Frames:
-    """What the player shows.
+    """Data that the player shows.
 
     Attributes:
         facts: Everything but the packed arrays, ready for JSON; ``{"block": k}`` in it stands for ``blocks[k]``.

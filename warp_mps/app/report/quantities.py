@@ -47,7 +47,7 @@ def unit_of(name: str) -> str:
 
 
 def title_of(name: str) -> str:
-    """What a person calls a quantity."""
+    """Label of a quantity."""
     return NAMES.get(name, name.replace("_", " "))
 
 

@@ -53,7 +53,7 @@ class Annotations:
 
     Args:
         size: Width and height [px].
-        colourings: What the colours mean; there may be several.
+        colourings: Meanings of the colours, one or several.
         names: Names of the bodies, walls and fluids and their own colours.
         meters: Length that a pixel shows [m]; None where that varies.
     """

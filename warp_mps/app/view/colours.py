@@ -85,7 +85,7 @@ Colourings = tuple[Colouring, ...]
 def choose_colouring(
     animation: Animation, name: str | None = None, limits: tuple[float, float] | None = None
 ) -> Colouring:
-    """What to colour by, the same for all frames.
+    """Quantity that gives the colours, the same for all frames.
 
     Args:
         animation: The run.
@@ -119,7 +119,7 @@ def choose_colouring(
 def choose_colourings(
     animation: Animation, name: str | None = None, limits: tuple[float, float] | None = None
 ) -> Colourings:
-    """What to colour by, fluids first: beside a quantity of one side, in runs of both, also one of the other.
+    """Quantities that give the colours, fluids first: in runs of fluids and bodies also one of the other side.
 
     A quantity of the bodies is shown with the pressure of the fluid, and the pressure of the fluid with the von Mises
     stress of the bodies if the run has it. Arguments and errors are those of :func:`choose_colouring`;

@@ -56,7 +56,7 @@ class Painter:
 
     Args:
         animation: The run.
-        options: What a user chose.
+        options: Options of the user.
 
     Attributes:
         colourings: The colour maps of the quantities that are shown.
@@ -200,7 +200,7 @@ def draw_picture(
         folder: Folder of the run.
         out: File to write, ending in .png or .webp; None is picture.png in the folder.
         time: The moment [s], of which the nearest frame is drawn; None is the last.
-        options: What the picture shows, and how.
+        options: Options of the picture.
         overwrite: Whether to replace the file.
 
     Returns:

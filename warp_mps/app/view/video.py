@@ -41,7 +41,7 @@ def make_video(
             no imageio-ffmpeg.
         seconds: How long it plays [s]; None is as the animation plays, at most as `LIMITS`
             says.
-        options: What the pictures show, and how.
+        options: Options of the pictures.
         overwrite: Whether to replace the file.
 
     Returns:

@@ -91,7 +91,7 @@ class ElasticBodyForces:
         return [self.force, self._power, self._work]
 
     def arrays(self) -> dict[str, np.ndarray]:
-        """What evolves here, for a checkpoint."""
+        """Everything that evolves here, for a checkpoint."""
         return {name: array.numpy().copy() for name, array in self._named().items()}
 
     def assign(self, arrays: dict[str, np.ndarray]) -> None:

@@ -19,7 +19,7 @@ class Phase(NamedTuple):
     """A part of a step.
 
     Attributes:
-        name: What it does.
+        name: Its name, for measurements of speed.
         launch: Launches it over `count` particles from `first` on; over all of them where it does not split.
         splits: Whether threads can share its particles.
         follows: Whether it needs nothing of other particles that the phase before it writes, so that a thread can go

@@ -1,4 +1,4 @@
-"""What the solvers of an implicit run did, as run.json holds it."""
+"""Statistics of the solvers of an implicit run, as run.json holds them."""
 
 from __future__ import annotations
 

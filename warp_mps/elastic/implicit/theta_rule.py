@@ -124,7 +124,7 @@ class ThetaStep:
         self.newton.preconditioner.assign(arrays)
 
     def _named(self) -> dict[str, wp.array]:
-        """What evolves, by its name in a checkpoint."""
+        """Everything that evolves, by its name in a checkpoint."""
         return {
             "load": self._load,
             "elastic": self.elastic,

@@ -35,7 +35,7 @@ class PressureEquation:
 
     Args:
         model: Constants of the run.
-        state: What evolves.
+        state: State of the fluid.
         neighbours: Neighbour lists.
     """
 

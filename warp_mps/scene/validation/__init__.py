@@ -1,1 +1,1 @@
-"""What a scene must satisfy before it can be run."""
+"""Constraints that a scene must satisfy before it can be run."""

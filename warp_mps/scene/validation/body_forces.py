@@ -1,4 +1,4 @@
-"""What the body forces of a scene must satisfy."""
+"""Constraints on the body forces of a scene."""
 
 from __future__ import annotations
 

@@ -45,7 +45,7 @@ def check_fluids(scene: Scene) -> None:
 
 
 def remarks(scene: Scene) -> list[str]:
-    """What a scene of fluids lacks that most have, a line each: it may be meant."""
+    """Remarks, a line each, on parts that most scenes of fluids have and this one lacks."""
     if not scene.fluids:
         return []
     lines = [] if scene.walls else ["no walls: nothing holds the fluid"]
@@ -76,7 +76,7 @@ def _thin(wall: Wall, scene: Scene) -> list[str]:
 
 
 def probe_quantities(probe: Probe, scene: Scene) -> tuple[str, ...]:
-    """What a probe can record where it is."""
+    """Quantities that a probe can record at its place."""
     if probe.body in [wall.name for wall in scene.walls]:
         return WALL_QUANTITIES
     if probe.body in [fluid.name for fluid in scene.fluids]:
@@ -197,7 +197,7 @@ def _same_spacing(spacing: float, fluid: Fluid) -> bool:
 
 
 def _no_bodies(scene: Scene) -> None:
-    """What elastic bodies alone have does nothing in a scene without them."""
+    """Refuse settings of elastic bodies in a scene without them."""
     if scene.bodies:
         return
     for kind, items in (("support", scene.supports), ("load", scene.loads)):

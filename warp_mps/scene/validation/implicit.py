@@ -1,4 +1,4 @@
-"""What a scene must satisfy for a static analysis, and for implicit steps."""
+"""Constraints on scenes with a static analysis or implicit steps."""
 
 from __future__ import annotations
 

@@ -18,7 +18,7 @@ def check_limits(record: Any, where: str, prefix: str = "") -> None:
 
     Args:
         record: A scene, or a part of one.
-        where: What errors call it.
+        where: Its name in error messages.
         prefix: Prefix of the names of its fields, such as ``flow.``.
 
     Raises:

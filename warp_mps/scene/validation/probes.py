@@ -1,4 +1,4 @@
-"""What probes and measurements must satisfy: quantities that their place has, components and times that there are."""
+"""Constraints on probes and measurements: quantities of their place, existing components, times within the run."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a scene must satisfy before it can be run: numbers in range, unique names, references to existing items.
+"""Constraints on a scene: numbers in range, unique names, references to existing items.
 
 Every check raises `InputError` with the place, the field and the constraint. What needs the particles (overlaps, a
 support that holds nothing, a probe outside every body) is checked where they are known.

@@ -1,4 +1,4 @@
-"""What surrounds an animation, so that it looks right when it is opened: a camera, lights, a backdrop, materials.
+"""Surroundings of an animation, so that it looks right when it is opened: camera, lights, backdrop, materials.
 
 All of it but the materials stands in a prim beside the result: a stage that references the result gets the particles
 and their materials alone.

@@ -17,7 +17,7 @@ class StageAttribute:
         name: Name in the stage.
         kind: Type in the stage, ``rel`` for a relationship.
         field: Field of the scene that it fills, as errors name it: in a record of its own such as ``flow.courant``.
-        meaning: What it says.
+        meaning: Its meaning, for documentation.
         known: Metadata of the field.
         default: Default value; None without one, or where it depends on the units of the stage.
         si_default: Default in SI units, where it depends on the units of the stage.
