@@ -105,7 +105,7 @@ def test_output_folders_that_cannot_be_used(tmp_path: Path, capsys: pytest.Captu
         (("--set", "/Scene.physics:gravityDirection=1,0"), "is not of type vector3f, such as (1, 0, 0)"),
         (("--device", "cuda:99"), "device: 'cuda:99' is not available, must be one of: cpu"),
         (("--device", "gpu"), "device: 'gpu' is not available, must be one of: cpu"),
-        (("--threads", "0"), "threads: is 0, must be 1 or more"),
+        (("--threads", "0"), "threads: is 0, must be a whole number of 1 or more"),
         (("--duration", "-1"), "/Scene mps:duration: is -1, must be finite and above 0"),
         (("--resume",), "checkpoint"),
     ],

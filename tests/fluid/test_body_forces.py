@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,8 +14,11 @@ from tests.bits import assert_same_bits, states
 from tests.coupling.scenes import EXPLICIT, IMPLICIT, lump
 from tests.fluid.scenes import L0, scene_of, tank, walls_about, water
 from warp_mps.errors import InputError
+from warp_mps.run.run import run_scene
 from warp_mps.run.simulation import Simulation
 from warp_mps.scene import BodyForce, Flow, Fluid, Liquid, Scene, TableMotion, VelocityField
+from warp_mps.scene.filling_level import fill_to
+from warp_mps.scene.tank_walls import tank as make_tank
 from warp_mps.shapes import Sphere
 
 G = 9.81
@@ -229,3 +233,12 @@ def test_fluids_are_one_liquid_for_a_force() -> None:
     force = BodyForce(name="fall", acceleration=fall, acts_on=("water",))
     with pytest.raises(InputError, match="body force 'fall' acts_on: leaves out more: the fluids are one liquid"):
         replace(scene, body_forces=(force,))
+
+
+@pytest.mark.parametrize("function", [fall, warp_fall])
+def test_water_whose_weight_is_a_body_force_passes_the_guard(function: Any, tmp_path: Path) -> None:
+    """It settles by parts of a spacing, as under gravity, which is no instability."""
+    walls = make_tank((0.0, 0.0), (0.4, 0.3), 0.02)
+    force = BodyForce(name="weight", acceleration=function)
+    scene = Scene(name="tank", fluids=(fill_to(0.16, walls),), walls=walls, body_forces=(force,), duration=0.05)
+    assert run_scene(scene, tmp_path, quiet=True).status == "done"

@@ -86,7 +86,7 @@ def test_two_damaged_files_are_refused(tmp_path: Path) -> None:
 
 def test_another_case_is_refused(tmp_path: Path) -> None:
     save(tmp_path, 1)
-    with pytest.raises(InputError, match="another case or precision"):
+    with pytest.raises(InputError, match="another case, precision or version"):
         cp.load_checkpoint(tmp_path, "other")
 
 

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
 from tests.bits import assert_same_bits
-from tests.scenes import short_run
+from tests.scenes import block, scene_of, short_run
 from warp_mps.errors import InputError, RunError
 from warp_mps.observers.base import Observer, View
+from warp_mps.run.run import run_scene
+from warp_mps.run.simulation import Simulation
 
 
 class Recorder(Observer):
@@ -119,10 +123,64 @@ def test_observers_are_called_by_simulated_time(interval: float, expected: list[
     assert recorder.steps == expected
 
 
-@pytest.mark.parametrize(("every", "interval"), [(0, None), (1, 0.0), (1, float("nan"))])
+@pytest.mark.parametrize(("every", "interval"), [(0, None), (1.5, None), (1, 0.0), (1, float("nan")), (1, "a")])
 def test_triggers_that_never_come_are_refused(every: int, interval: float | None) -> None:
     recorder = Recorder(every)
     recorder.interval = interval
-    with pytest.raises(InputError, match=r"observer (every|interval): is (0|nan)"):
+    with pytest.raises(InputError, match=r"observer (every|interval): is (0|nan|1.5|'a')"):
         short_run(10).run([recorder])
     assert recorder.closed == 1
+
+
+@pytest.mark.parametrize(
+    ("observers", "message"),
+    [
+        (Observer(), "observers: is .*, must be a list or tuple"),
+        (None, "observers: is None, must be a list or tuple"),
+        ([print], r"observers\[0\]: is .*, must be an object of a subclass"),
+    ],
+)
+def test_observers_of_another_kind_are_refused(observers: object, message: str, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=message):
+        run_scene(scene_of(block(2)), tmp_path, observers=observers)  # type: ignore[arg-type]
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("steps", [-1, 1.5, "3", None])
+def test_steps_that_are_no_number_of_steps_are_refused(steps: object) -> None:
+    with pytest.raises(InputError, match=r"steps: is .*, must be a whole number of at least 0"):
+        Simulation(scene_of(block(2))).advance(steps)  # type: ignore[arg-type]
+
+
+def test_a_simulation_of_what_is_no_scene_is_refused(tmp_path: Path) -> None:
+    for run in (Simulation, lambda name: run_scene(name, tmp_path)):
+        with pytest.raises(InputError, match="scene: is 'ring_collision', must be a Scene"):
+            run("ring_collision")
+
+
+def test_a_simulation_too_large_for_the_memory_is_refused() -> None:
+    with pytest.raises(InputError, match="needs about"):
+        Simulation(scene_of(block(2, spacing=1e-9)))
+
+
+@pytest.mark.parametrize("method", ["advance", "restore"])
+def test_an_observer_cannot_drive_the_run(method: str) -> None:
+    class Driver(Observer):
+        def observe(self, view: View) -> None:
+            argument = 1 if method == "advance" else view.state_arrays()
+            getattr(view, method)(argument)
+
+    with pytest.raises(RuntimeError, match="an observer may look at a run, but not advance or restore it"):
+        short_run(10).run([Driver()])
+
+
+def test_what_an_observer_sees_cannot_be_written_to() -> None:
+    simulation = short_run(10)
+    for array in (simulation.particles.positions, simulation.particles.masses, simulation.positions):
+        with pytest.raises(ValueError, match="read-only"):
+            array[:] = 0.0
+    before = simulation.positions.copy()
+    for array in simulation.state_arrays().values():
+        array[...] = 0
+    simulation.advance(1)
+    assert abs(simulation.positions - before).max() < 1e-3

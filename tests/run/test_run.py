@@ -258,7 +258,7 @@ def test_an_observer_that_cannot_be_closed_ends_the_run_as_failed(scene: Scene, 
 
 @pytest.mark.parametrize(
     ("observer", "match"),
-    [(print, r"observers\[0\]: is <built-in function print>"), (Visitor(-1.0), "observer interval: is -1 s")],
+    [(print, r"observers\[0\]: is <built-in function print>"), (Visitor(-1.0), "observer interval: is -1.0 s")],
 )
 def test_what_is_no_observer_is_refused_before_anything_is_removed(
     scene: Scene, tmp_path: Path, observer: object, match: str

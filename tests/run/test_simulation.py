@@ -214,7 +214,7 @@ def test_pressure_is_positive_where_a_body_is_squeezed() -> None:
     [
         ({"device": "cuda:99"}, "device: 'cuda:99' is not available"),
         ({"device": "cuda:99", "threads": 2}, "device: 'cuda:99' is not available"),
-        ({"threads": 0}, "threads: is 0, must be 1 or more"),
+        ({"threads": 0}, "threads: is 0, must be a whole number of 1 or more"),
         ({"precision": "float16"}, "precision: is 'float16', must be one of: float64, float32"),
     ],
 )

@@ -96,8 +96,8 @@ RIGHT, ROUND = TANK[2], Wall(name="ball", shape=Sphere(0.2), spacing=L0)
             lambda: fill_to(0.2, (*TANK[:2], replace(RIGHT, shape=RIGHT.shape.turned(0.1)))),
             "wall 'right' is not a box along the axes",
         ),
-        (lambda: fill_to(0.2, ()), r"inside: must be walls or a shape, not \(\)"),
-        (lambda: fill_to(0.2, "tank"), "inside: must be walls or a shape, not 'tank'"),  # type: ignore[arg-type]
+        (lambda: fill_to(0.2, ()), r"inside: must be the walls of a tank, in a tuple, or a shape, not \(\)"),
+        (lambda: fill_to(0.2, "tank"), "inside: must be the walls of a tank, in a tuple, or a shape, not 'tank'"),  # type: ignore[arg-type]
         (lambda: fill_to(0.2, TANK, up="z"), "up: is 'z', but the walls are of a 2-D scene"),
         (lambda: fill_to(0.2, TANK, up="x"), "up: is 'x', must be y or z"),
         (lambda: fill_to(0.2, TANK, spacing=0.0), r"spacing: is 0\.0, must be finite"),

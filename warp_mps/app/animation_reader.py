@@ -41,7 +41,7 @@ def refuse_existing(path: Path, overwrite: bool) -> None:
         InputError: The file exists and may not be replaced.
     """
     if path.exists() and not overwrite:
-        raise InputError(str(path), "", "exists; use --overwrite to replace it")
+        raise InputError(str(path), "", "exists; use --overwrite to replace it (in Python overwrite=True)")
 
 
 @dataclass(frozen=True)

@@ -80,9 +80,12 @@ class BodyForces:
 
     def _call(self, force: BodyForce, x: np.ndarray, time: float) -> np.ndarray:
         try:
-            found = np.asarray(force.acceleration(x, time), float)
+            given = force.acceleration(x, time)
+            found = np.asarray(given, float) if np.isrealobj(given) else np.zeros(0)
         except Exception as error:
             raise self._failure(force, time, f"raised {type(error).__name__}: {error}") from error
+        if np.ma.isMaskedArray(given) or not np.isrealobj(given):
+            raise self._failure(force, time, "gave a masked or complex array, must be an array of real numbers")
         if found.shape != x.shape:
             raise self._failure(force, time, f"gave an array of shape {found.shape}, must be {x.shape}")
         if not np.isfinite(found).all():

@@ -11,6 +11,7 @@ import warp as wp
 
 from warp_mps.core.body_forces import BodyForces
 from warp_mps.core.device import load_modules
+from warp_mps.errors import InputError
 from warp_mps.fluid.body_force_kernels import METHOD, body_force_kernels
 from warp_mps.fluid.model import FluidModel
 from warp_mps.fluid.state import FluidState
@@ -60,13 +61,23 @@ class FluidBodyForces:
         self.mean_acceleration = np.zeros((model.count, model.types.dimension))
 
     def start(self) -> float:
-        """Evaluate the forces of the initial state, and return the longest step that they allow [s]."""
+        """Evaluate the forces of the initial state, and return the longest step that they allow [s].
+
+        Raises:
+            InputError: They are not finite.
+        """
         self.evaluate()
         self.launch()
         self.subtract_from_walls()
-        accelerations = self._forces.accelerations.numpy()[self._model.walls :].astype(float)
-        largest = float(np.sqrt(np.max(np.sum(accelerations**2, axis=1))))
+        largest = self.largest()
+        if not np.isfinite(largest):
+            raise InputError("", "body_forces", f"give {largest:g} m/s^2 at the start, must be finite")
         return FORCE_STEP * float(np.sqrt(self._model.spacing / largest)) if largest > 0.0 else np.inf
+
+    def largest(self) -> float:
+        """Largest force per mass on a fluid particle, as last evaluated [m/s^2]."""
+        accelerations = self._forces.accelerations.numpy()[self._model.walls :].astype(float)
+        return float(np.sqrt(np.max(np.sum(accelerations**2, axis=1))))
 
     def evaluate(self) -> None:
         """Evaluate the Python functions, if any, at the present positions and time; not for a graph."""

@@ -178,7 +178,9 @@ def _read(path: Path, fingerprint: str) -> Checkpoint | None:
         return None
     if metadata["fingerprint"] != fingerprint:
         raise InputError(
-            str(path), "", "belongs to another case or precision, or the case has changed; start a new run"
+            str(path),
+            "",
+            "belongs to another case, precision or version of the program, or the case has changed; start a new run",
         )
     return Checkpoint(metadata["step"], metadata["time"], arrays)
 

@@ -26,12 +26,13 @@ class Guard(Observer):
         time_step: Time step of the run [s], for the message.
         energy: Whether to check the energy; in statics its balance is only as exact as the load steps are small, and
             the solver reports by itself where it fails.
+        body_force: Largest body force per mass on fluids at the start, beside gravity [m/s^2].
     """
 
-    def __init__(self, *, every: int, time_step: float, energy: bool = True) -> None:
+    def __init__(self, *, every: int, time_step: float, energy: bool = True, body_force: float = 0.0) -> None:
         self.every = every
         self._look_at_energy = energy
-        self._time_step = time_step
+        self._time_step, self._body_force = time_step, body_force
         self._start: float | None = None
         self._largest = 0.0
         self._potential = 0.0
@@ -57,7 +58,7 @@ class Guard(Observer):
         energy = view.energy
         if self._start is None:
             self._start = energy.balance
-            self._largest = _slack(view)
+            self._largest = _slack(view, self._body_force)
         self._largest = max(self._largest, energy.exchanged, abs(energy.work))
         self._potential = max(self._potential, abs(energy.potential))
         growth = energy.balance - self._start
@@ -80,11 +81,11 @@ class Guard(Observer):
         return f"the time step of {self._time_step:.3g} s is probably too large"
 
 
-def _slack(view: View) -> float:
-    """Energy by which a fluid at rest may drift: its particles settle by parts of a spacing."""
+def _slack(view: View, body_force: float) -> float:
+    """Energy by which a fluid at rest may drift: its particles settle by parts of a spacing under their weight."""
     particles = view.particles
     if not particles.liquid:
         return 0.0
     fluid = slice(particles.count - particles.liquid, None)
     gravity = float(np.linalg.norm(view.scene.gravity)) if len(view.scene.gravity) else 0.0
-    return gravity * float(np.sum(particles.masses[fluid] * particles.spacings[fluid])) / ALLOWED_GROWTH
+    return (gravity + body_force) * float(np.sum(particles.masses[fluid] * particles.spacings[fluid])) / ALLOWED_GROWTH

@@ -47,17 +47,24 @@ class Guest(Observer):
 
     def _failure(self, method: str, when: str, error: Exception) -> RunError:
         name = f"{type(self._observer).__name__}{method}"
-        return RunError(f"the observer {name} failed{when}: {type(error).__name__}: {error}")
+        return RunError(f"the observer {name} failed{when}: {type(error).__name__}: {' '.join(str(error).split())}")
 
 
 def guests(observers: Sequence[Observer]) -> list[Guest]:
     """Wrap the observers that a user gives.
 
     Raises:
-        InputError: One of them is not an `Observer`.
+        InputError: They are not a sequence of `Observer`, or `observe` of one cannot be called.
     """
+    if not isinstance(observers, Sequence):
+        reason = f"is {observers!r}, must be a list or tuple of objects of subclasses of warp_mps.Observer"
+        raise InputError("", "observers", reason)
     for number, observer in enumerate(observers):
         if not isinstance(observer, Observer):
             reason = f"is {observer!r}, must be an object of a subclass of warp_mps.Observer"
             raise InputError("", f"observers[{number}]", reason)
+        if not callable(observer.observe):
+            raise InputError(
+                "", f"observers[{number}].observe", f"is {observer.observe!r}, must be a method observe(view)"
+            )
     return [Guest(observer) for observer in observers]

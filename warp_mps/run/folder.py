@@ -39,7 +39,10 @@ def claim_folder(
         return load_checkpoint(folder, fingerprint, announce=announce)
     if (folder / SUMMARY).exists() and not overwrite:
         raise InputError(
-            str(folder), "", "already has results; use --overwrite to replace or --resume to continue them"
+            str(folder),
+            "",
+            "already has results; use --overwrite to replace or --resume to continue them "
+            "(in Python overwrite=True or resume=True)",
         )
     _refuse_unwritable(folder)
     return None

@@ -17,7 +17,6 @@ from warp_mps.observers.base import Observer
 from warp_mps.observers.checkpoint import CheckpointWriter
 from warp_mps.observers.frames import FrameRecorder
 from warp_mps.observers.guard import Guard
-from warp_mps.observers.guest import guests
 from warp_mps.observers.momentum import MomentumMonitor
 from warp_mps.observers.probes import ProbeRecorder
 from warp_mps.observers.progress import Progress
@@ -64,8 +63,7 @@ class Recording:
         self._simulation, self._folder = simulation, folder
         self._first_step = simulation.steps_done
         progress.every = clock.sample_every
-        given = guests(observers)
-        for observer in given:
+        for observer in observers:
             Trigger(clock, observer.every, observer.interval)  # refuses invalid ones before anything is removed
 
         def last_kept(every: int) -> float | None:
@@ -85,7 +83,7 @@ class Recording:
         self._momentum = MomentumMonitor(every=clock.frame_every)
         self.observers = [
             # first, so that no invalid state is recorded
-            Guard(every=clock.sample_every, time_step=clock.dt, energy=scene.analysis != "static"),
+            _make_guard(simulation),
             self._momentum,
             self._probes,
             FrameRecorder(
@@ -104,7 +102,7 @@ class Recording:
                 results=(folder / PROBES, folder / ANIMATION),
             ),
             # after all that record, so that a moment at which one of them fails is kept
-            *given,
+            *observers,
             progress,
         ]
         counts = np.diff(particles.ranges, axis=1).ravel()
@@ -170,3 +168,14 @@ class Recording:
             **solvers,
         )
         self._summary.write(self._folder / SUMMARY)
+
+
+def _make_guard(simulation: Simulation) -> Guard:
+    """The guard of a run; the weight that lets a fluid settle includes body forces."""
+    forces = simulation.fluids.step.body_forces if simulation.scene.fluids else None
+    return Guard(
+        every=simulation.clock.sample_every,
+        time_step=simulation.clock.dt,
+        energy=simulation.scene.analysis != "static",
+        body_force=forces.largest() if forces else 0.0,
+    )

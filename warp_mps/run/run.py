@@ -9,6 +9,7 @@ from pathlib import Path
 from warp_mps.core.interrupts import first_interrupt_only
 from warp_mps.errors import InputError
 from warp_mps.observers.base import Observer
+from warp_mps.observers.guest import guests
 from warp_mps.observers.progress import Progress
 from warp_mps.results.summary import RunSummary
 from warp_mps.run.cost import refuse_too_large
@@ -59,8 +60,12 @@ def run_scene(
         KeyboardInterrupt: It was interrupted; likewise.
     """
     folder = Path(folder)
+    if not isinstance(scene, Scene):
+        reason = f"is {scene!r}, must be a Scene; read_stage gives that of a stage or of a shipped case"
+        raise InputError("", "scene", reason)
     if not checkpoint_interval >= 0.0:
         raise InputError("", "checkpoint_interval", f"is {checkpoint_interval:g}, must be 0 or more seconds")
+    given = guests(observers)
     if device == "cpu":
         refuse_too_large(scene)
     with lock_folder(folder):
@@ -87,7 +92,7 @@ def run_scene(
                 progress,
                 resumed=checkpoint is not None,
                 interval=checkpoint_interval,
-                observers=observers,
+                observers=given,
             )
         except OSError as error:
             raise InputError(str(folder), "", f"cannot be written: {error.strerror}") from error

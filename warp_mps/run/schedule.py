@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from warp_mps.elastic.explicit.time_step import SAFETY, contact_slowing, stable_limit
 from warp_mps.elastic.materials.constants import pressure_wave_speed
 from warp_mps.errors import InputError
 from warp_mps.scene import Scene
+from warp_mps.shapes.numbers import is_number
 
 # steps are counted in 32 bits on the device
 MOST_STEPS = 2**31 - 1
@@ -94,10 +97,10 @@ class Trigger:
     """
 
     def __init__(self, clock: Clock, every: int, interval: float | None = None) -> None:
-        if every < 1:
-            raise InputError("observer", "every", f"is {every}, must be 1 or more steps")
-        if interval is not None and not (math.isfinite(interval) and interval > 0.0):
-            raise InputError("observer", "interval", f"is {interval:g} s, must be finite and above 0")
+        if not isinstance(every, int | np.integer) or every < 1:
+            raise InputError("observer", "every", f"is {every!r}, must be a whole number of 1 or more steps")
+        if interval is not None and not (is_number(interval) and 0.0 < float(interval) < math.inf):
+            raise InputError("observer", "interval", f"is {interval!r} s, must be finite and above 0")
         self._clock, self._every, self._interval = clock, every, interval
 
     def is_due(self, step: int) -> bool:

@@ -12,6 +12,7 @@ from warp_mps.core.interrupts import defer_interrupts
 from warp_mps.errors import InputError, RunError
 from warp_mps.observers.base import Observer, closing
 from warp_mps.particles.filling import fill_scene
+from warp_mps.run.cost import refuse_too_large
 from warp_mps.run.device_arrays import device_arrays
 from warp_mps.run.readings import Readings
 from warp_mps.run.schedule import Clock, Trigger
@@ -20,6 +21,7 @@ from warp_mps.run.system import PacedSystem, System
 from warp_mps.run.system_factory import make_system
 from warp_mps.scene import Scene
 from warp_mps.scene.choices import PRECISIONS, PrecisionName
+from warp_mps.shapes.numbers import is_number
 
 if TYPE_CHECKING:
     import warp as wp
@@ -70,8 +72,11 @@ class Simulation(Readings):
         from warp_mps.core.device import open_device
         from warp_mps.core.types import numeric_types
 
-        if threads < 1:
-            raise InputError("", "threads", f"is {threads}, must be 1 or more")
+        if not isinstance(scene, Scene):
+            reason = f"is {scene!r}, must be a Scene; read_stage gives that of a stage or of a shipped case"
+            raise InputError("", "scene", reason)
+        if not isinstance(threads, int) or threads < 1:
+            raise InputError("", "threads", f"is {threads!r}, must be a whole number of 1 or more")
         if precision not in PRECISIONS:
             raise InputError("", "precision", f"is {precision!r}, must be one of: {', '.join(PRECISIONS)}")
         self._device = open_device(device)
@@ -82,6 +87,8 @@ class Simulation(Readings):
             raise InputError("", "threads", f"is {threads}; {what} one")
         if threads > 1 and not all(force.is_warp_function for force in scene.body_forces):
             raise InputError("", "threads", f"is {threads}; body forces given as Python functions take one")
+        if self._device.is_cpu:
+            refuse_too_large(scene)
         self.scene, self.precision, self.step = scene, precision, 0
         self.clock, particles = Clock(scene), fill_scene(scene)
         options: dict[str, Any] = {"types": numeric_types(scene.dimension, precision), "device": self._device}
@@ -89,8 +96,12 @@ class Simulation(Readings):
         super().__init__(particles, made)
         self._system: System = made
         self._system.start()
+        for array in vars(particles).values():
+            if isinstance(array, np.ndarray):
+                array.flags.writeable = False  # observers share it
         self._paced: PacedSystem | None = made if scene.fluids or scene.implicit else None
         self._steps = self._make_steps(graphs, threads)
+        self._observed = False
 
     def _make_steps(self, graphs: bool, threads: int) -> Steps:
         if self._paced:
@@ -178,9 +189,13 @@ class Simulation(Readings):
         An interrupt (Ctrl-C) takes effect between two blocks of steps, so that `step` is that of the state.
 
         Raises:
+            InputError: The number is not a whole number of 0 or more.
             RunError: A step, or an equilibrium, could not be solved, or a fluid particle is too fast.
             RuntimeError: An earlier failure within a step has ended the threads; `restore` starts new ones.
         """
+        if not isinstance(steps, int | np.integer) or steps < 0:
+            raise InputError("", "steps", f"is {steps!r}, must be a whole number of at least 0")
+        self._refuse_while_observed()
         self.forget()
         block = self._steps.block
         blocks, rest = divmod(steps, block)
@@ -196,9 +211,9 @@ class Simulation(Readings):
             InputError: The time is not finite, or it has passed.
             RunError: As `advance`.
         """
-        last = self.clock.first_step_at(time) if np.isfinite(time) else -1
+        last = self.clock.first_step_at(time) if is_number(time) and np.isfinite(float(time)) else -1
         if last < self.step:
-            raise InputError("", "time", f"is {time:g} s, must be finite and not before {self.time:.6g} s")
+            raise InputError("", "time", f"is {time!r} s, must be finite and not before {self.time:.6g} s")
         self.advance(last - self.step)
 
     @property
@@ -228,10 +243,11 @@ class Simulation(Readings):
 
     def state_arrays(self) -> dict[str, np.ndarray]:
         """Everything that evolves, as host copies; `restore` continues from them to the same bits."""
-        return {"step": np.array(self.step), **self._system.arrays()}
+        return {"step": np.array(self.step), **{name: np.array(a) for name, a in self._system.arrays().items()}}
 
     def restore(self, arrays: dict[str, np.ndarray]) -> None:
         """Continue from arrays that `state_arrays` gave in a simulation of the same scene."""
+        self._refuse_while_observed()
         self._steps.reopen()
         self.forget()
         self._system.assign(arrays)
@@ -242,6 +258,14 @@ class Simulation(Readings):
         if (trouble := self._system.trouble()) is not None:
             raise RunError(f"at t = {self.time:.6g} s: {trouble}")
         last = self.step == self.total_steps
-        for observer, trigger in zip(observers, triggers, strict=True):
-            if last or trigger.is_due(self.step):
-                observer.observe(self)
+        self._observed = True
+        try:
+            for observer, trigger in zip(observers, triggers, strict=True):
+                if last or trigger.is_due(self.step):
+                    observer.observe(self)
+        finally:
+            self._observed = False
+
+    def _refuse_while_observed(self) -> None:
+        if self._observed:
+            raise RuntimeError("an observer may look at a run, but not advance or restore it")

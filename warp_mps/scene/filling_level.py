@@ -47,12 +47,12 @@ def fill_to(
     """
     where = f"fluid {name!r}"
     if not (is_number(level) and np.isfinite(float(level))):
-        raise InputError(where, "level", f"is {level!r}, must be a finite number")
+        raise InputError(where, "level", f"is {level!r:.80}, must be a finite number")
     if up not in ("y", "z"):
         raise InputError(where, "up", f"is {up!r}, must be y or z")
-    walls = () if isinstance(inside, Shape) else tuple(inside)
+    walls = tuple(inside) if isinstance(inside, tuple | list) else ()
     if not isinstance(inside, Shape) and not (walls and all(isinstance(wall, Wall) for wall in walls)):
-        raise InputError(where, "inside", f"must be walls or a shape, not {inside!r:.80}")
+        raise InputError(where, "inside", f"must be the walls of a tank, in a tuple, or a shape, not {inside!r:.80}")
     if spacing is None:
         if not walls:
             raise InputError(where, "spacing", "must be given for a region that is a shape")

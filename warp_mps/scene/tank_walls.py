@@ -70,6 +70,8 @@ def tank(
         raise InputError(where, "up", f"is {up!r}, must be {'y' if dimension == 2 else 'y or z'}")
     sides = SIDES[up][:dimension]
     known = [side for pair in sides for side in pair]
+    if not isinstance(open, str | tuple | list):
+        raise InputError(where, "open", f"is {open!r}, must be names of sides among {', '.join(known)}")
     for side in [open] if isinstance(open, str) else open:
         if side not in known:
             raise InputError(where, "open", f"names no side: {side!r}; there are {', '.join(known)}")

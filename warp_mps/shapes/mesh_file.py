@@ -12,6 +12,8 @@ from warp_mps.shapes.closed_surface import open_edge
 from warp_mps.shapes.numbers import is_number
 
 KINDS = (".stl", ".obj", ".ply")
+# a mesh is flat if its smallest principal extent is below this share of the largest
+FLAT = 1e-9
 
 
 def read_mesh(path: Path, scale: float) -> tuple[np.ndarray, np.ndarray]:
@@ -50,6 +52,9 @@ def read_mesh(path: Path, scale: float) -> tuple[np.ndarray, np.ndarray]:
         raise InputError(
             where, "", "holds no triangles" if not len(triangles) else "holds vertices that are not finite"
         )
+    extents = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)
+    if extents[-1] <= FLAT * extents[0]:
+        raise InputError(where, "", "encloses no volume: all its vertices lie in a plane")
     hole = open_edge(scale * points, triangles)
     if hole:
         reason = f"the mesh is not closed: every edge must belong to exactly two triangles, {hole}"

@@ -111,7 +111,7 @@ def test_files_are_replaced_only_when_asked(tmp_path: Path, capsys: pytest.Captu
     write_result(tmp_path, frames=2)
     capsys.readouterr()
     assert main(["convert", str(tmp_path)]) == 2
-    assert "run.pvd: exists; use --overwrite to replace it" in capsys.readouterr().err
+    assert "run.pvd: exists; use --overwrite to replace it (in Python overwrite=True)" in capsys.readouterr().err
     assert (tmp_path / "pvd" / "block_0002.vtp").exists()
     (tmp_path / "pvd" / "view.pvsm").write_text("what a user keeps")
     assert main(["convert", str(tmp_path), "--overwrite"]) == 0

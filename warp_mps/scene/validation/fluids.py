@@ -49,7 +49,7 @@ def remarks(scene: Scene) -> list[str]:
     if not scene.fluids:
         return []
     lines = [] if scene.walls else ["no walls: nothing holds the fluid"]
-    if not any(scene.gravity):
+    if not any(scene.gravity) and not scene.body_forces:
         lines.append("no gravity: the fluid has no weight")
     interval = 1.0 / (scene.sample_rate or scene.frame_rate)
     end = interval * math.ceil(scene.duration / interval - 1e-6)

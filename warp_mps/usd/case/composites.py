@@ -9,20 +9,19 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-from pxr import Tf, Usd
+from pxr import Usd
 
 from warp_mps.errors import InputError
 from warp_mps.shapes import Difference, Intersection, Points, Shape, Union
 from warp_mps.usd.case.attributes import ROLE
 from warp_mps.usd.case.frame import Frame
 from warp_mps.usd.case.geometry import has_shape, read_shape
-from warp_mps.usd.case.layers import reason_of
-from warp_mps.usd.case.prim_values import typed
+from warp_mps.usd.case.prim_values import related_prims, typed
 
 # relationships, in the order in which they are applied, and the operation of each
 PLUS, INTERSECT, MINUS = "mps:plus", "mps:intersect", "mps:minus"
 JOINS: dict[str, Callable[[Shape, Shape], Shape]] = {PLUS: Union, INTERSECT: Intersection, MINUS: Difference}
-BORE = "mps:innerRadius"
+BORE, LEVEL = "mps:innerRadius", "mps:fillLevel"
 # shapes that one prim may be made of: more are a chain of references that was not meant
 MOST_SHAPES = 200
 
@@ -73,18 +72,16 @@ class _Reader:
 
     def _targets(self, prim: Usd.Prim, name: str) -> list[Usd.Prim]:
         path = str(prim.GetPath())
-        if prim.HasAttribute(name):
-            raise InputError(path, name, "must be a relationship (rel)")
-        if not prim.HasRelationship(name):
-            return []
-        try:
-            paths = prim.GetRelationship(name).GetForwardedTargets()
-        except Tf.ErrorException as error:
-            raise InputError(path, name, reason_of(error)) from None
-        prims = [prim.GetStage().GetPrimAtPath(target) for target in paths]
-        for target, found in zip(paths, prims, strict=True):
-            if not found:
-                raise InputError(path, name, f"refers to {target}, but there is no prim at that path")
+        # what is inactive takes no part in a case
+        prims = [found for found in related_prims(prim, name) if found.IsActive()]
+        for found in prims:
+            if found.IsAbstract():
+                reason = f"refers to {found.GetPath()}, which is a class; refer to a prim that is defined"
+                raise InputError(path, name, reason)
+            level = found.GetAttribute(LEVEL)
+            if level and level.HasAuthoredValue():
+                reason = f"refers to {found.GetPath()}, whose {LEVEL} does not cut it here; refer to a prim without it"
+                raise InputError(path, name, reason)
             self._check_names(found)
         return prims
 

@@ -112,18 +112,10 @@ class Values:
         Raises:
             InputError: There is no prim at one of them, or none is given and one is required.
         """
-        if self.prim.HasAttribute(name):
-            raise InputError(self.path, name, "must be a relationship (rel)")
-        try:
-            paths = self.prim.GetRelationship(name).GetForwardedTargets() if self.prim.HasRelationship(name) else []
-        except Tf.ErrorException as error:
-            raise InputError(self.path, name, reason_of(error)) from None
-        if not paths and self.table[name].required:
+        prims = related_prims(self.prim, name)
+        if not prims and self.table[name].required:
             raise InputError(self.path, name, f"is missing: {self.table[name].meaning}")
-        for path in paths:
-            if not self.prim.GetStage().GetPrimAtPath(path):
-                raise InputError(self.path, name, f"refers to {path}, but there is no prim at that path")
-        return [str(path) for path in paths]
+        return [str(prim.GetPath()) for prim in prims]
 
     def _single(self, row: StageAttribute, found: tuple[str, ...]) -> str | None:
         if len(found) > 1:
@@ -149,6 +141,35 @@ class Values:
             vector = tuple(self.frame.vectors_to_scene(np.asarray(value), row, self.path).tolist())
             return vector[0] if row.scalar_in_plane and len(vector) == 1 else vector
         return value
+
+
+def related_prims(prim: Usd.Prim, name: str) -> list[Usd.Prim]:
+    """The prims that a relationship refers to; none if it is not given.
+
+    Raises:
+        InputError: It is an attribute, there is no prim at a target, or a target lies outside the prim that a reference
+            or payload brings in: USD drops such a target.
+    """
+    path = str(prim.GetPath())
+    if prim.HasAttribute(name):
+        raise InputError(path, name, "must be a relationship (rel)")
+    if not prim.HasRelationship(name):
+        return []
+    relationship = prim.GetRelationship(name)
+    try:
+        targets = relationship.GetForwardedTargets()
+    except Tf.ErrorException as error:
+        raise InputError(path, name, reason_of(error)) from None
+    written: list[Any] = next((spec.targetPathList.explicitItems for spec in relationship.GetPropertyStack()), [])
+    if len(written) > len(relationship.GetTargets()):
+        outside = ", ".join(str(target) for target in written)
+        reason = f"refers to {outside}, not all of which lie inside the prim that is referenced; refer to it there"
+        raise InputError(path, name, reason)
+    prims = [prim.GetStage().GetPrimAtPath(target) for target in targets]
+    for target, found in zip(targets, prims, strict=True):
+        if not found:
+            raise InputError(path, name, f"refers to {target}, but there is no prim at that path")
+    return prims
 
 
 def typed(attribute: Usd.Attribute, kind: str) -> Any:
