@@ -128,7 +128,8 @@ STAGE_ONLY: dict[str, tuple[StageAttribute, ...]] = {
     "fluid": (
         _stage_only(
             *("mps:fillLevel", "double", "level"),
-            "Height along the up axis at which its shape is cut: the free surface.",
+            "Height along the up axis at which its shape is cut: the free surface. The lattice, and `node_axes`, "
+            "then lie along the axes of the scene.",
             unit="m",
         ),
     ),
