@@ -15,11 +15,12 @@ import numpy as np
 import pytest
 
 from tests.usd.case.stages import write
+from warp_mps.app import cli
 from warp_mps.app.bench import coupling as bench_coupling
 from warp_mps.app.bench import solids as bench_solids
 from warp_mps.app.cli import COMMANDS, main
 from warp_mps.results.history import read_history
-from warp_mps.scene import Fluid, Material, Probe, Scene
+from warp_mps.scene import Fluid, Material, Probe, Scene, choices
 from warp_mps.shapes import Box
 from warp_mps.usd.case.save import save_stage
 from warp_mps.usd.shipped_cases import shipped_cases
@@ -46,6 +47,11 @@ def test_help_imports_nothing_heavy() -> None:
     assert result.stderr.strip() == "[]"
     for command in COMMANDS:
         assert command in result.stdout
+
+
+def test_words_of_options_are_those_of_a_scene() -> None:
+    assert cli.PrecisionName == choices.PrecisionName
+    assert cli.ElasticModelName == choices.ElasticModelName
 
 
 def test_list_names_every_shipped_case(capsys: pytest.CaptureFixture[str]) -> None:

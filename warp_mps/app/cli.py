@@ -10,7 +10,7 @@ import signal
 import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, get_args
 
 from tyro.conf import Positional, UseAppendAction, arg
 
@@ -18,9 +18,13 @@ from warp_mps.app import result_commands
 from warp_mps.app.arguments import parse
 from warp_mps.core.interrupts import first_interrupt_only
 from warp_mps.errors import InputError, RunError
-from warp_mps.scene.choices import ELASTIC_MODELS, PRECISIONS, ElasticModelName, PrecisionName
 from warp_mps.version import __version__
 
+# as in `warp_mps.scene.choices`, whose package imports NumPy, which --help need not wait for; a test compares them
+PrecisionName = Literal["float64", "float32"]
+ElasticModelName = Literal["hamiltonian", "springs"]
+PRECISIONS: tuple[PrecisionName, ...] = get_args(PrecisionName)
+ELASTIC_MODELS: tuple[ElasticModelName, ...] = get_args(ElasticModelName)
 SUBJECTS: tuple[Literal["elastic", "fluids", "coupling"], ...] = ("elastic", "fluids", "coupling")
 Case = Annotated[str, arg(metavar="CASE", help="Path of a stage, or the name of a shipped case (see list).")]
 Device = Annotated[str, arg(metavar="DEVICE", help="cpu, or a CUDA device such as cuda:0.")]
