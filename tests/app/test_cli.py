@@ -202,6 +202,7 @@ def test_an_interrupt_ends_cleanly(tmp_path: Path) -> None:
     assert read_history(out / "probes.csv").last_time > 0.0
 
 
+@pytest.mark.long
 def test_bench_prints_speeds_and_shares(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(bench_solids, "ROUND_SECONDS", 0.02)
     options = ["--sizes", "100", "--of", "elastic", "--dimensions", "2", "--precisions", "float64"]

@@ -64,6 +64,7 @@ def product(system: Hydroelastic, p: np.ndarray, *, fresh: bool) -> np.ndarray:
     return q.numpy()
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("place", PLACES)
 @pytest.mark.parametrize(("dimension", "precision"), KINDS)
 def test_products_are_those_of_the_dense_matrix(dimension: int, precision: str, place: str) -> None:

@@ -33,6 +33,7 @@ def splash(dimension: int, **flow: object) -> Scene:
     )
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("scheme", SCHEMES)
 @pytest.mark.parametrize(("dimension", "precision"), [(2, "float64"), (3, "float32")])
 def test_a_restored_run_continues_to_the_same_bits(

@@ -13,6 +13,7 @@ from warp_mps.walls.kernels import wall_kernels
 from warp_mps.walls.poses import declare_walls
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("precision", PRECISIONS)
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_every_kernel_compiles_for_cuda(dimension: int, precision: str, tmp_path: Path) -> None:

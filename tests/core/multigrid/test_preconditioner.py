@@ -279,6 +279,7 @@ def test_graph_and_eager_give_the_same_bits() -> None:
         np.testing.assert_array_equal(x.numpy(), expected)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("multigrid", [False, True])
 def test_entries_in_single_precision_leave_the_solution_in_double(multigrid: bool) -> None:
     """The residual falls far below what single precision can tell apart."""

@@ -160,6 +160,7 @@ def test_the_limit_is_not_far_below(dimension: int, plane: str) -> None:
     assert worst > 0.85
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("control", [0.0, 0.1, 1.2, 10.0])
 @pytest.mark.parametrize("radius", [1.2, 1.45, 1.5])
 @pytest.mark.parametrize("dimension", [2, 3])
