@@ -17,7 +17,7 @@ from warp_mps.run.folder import claim_folder
 from warp_mps.run.locks import lock_folder
 from warp_mps.run.provenance import fingerprint
 from warp_mps.run.recording import Recording
-from warp_mps.run.simulation import Simulation
+from warp_mps.run.simulation import Simulation, require_scene
 from warp_mps.scene import Scene
 from warp_mps.scene.choices import PrecisionName
 from warp_mps.scene.validation.fluids import remarks
@@ -60,9 +60,7 @@ def run_scene(
         KeyboardInterrupt: It was interrupted; likewise.
     """
     folder = Path(folder)
-    if not isinstance(scene, Scene):
-        reason = f"is {scene!r}, must be a Scene; read_stage gives that of a stage or of a shipped case"
-        raise InputError("", "scene", reason)
+    require_scene(scene)
     if not checkpoint_interval >= 0.0:
         raise InputError("", "checkpoint_interval", f"is {checkpoint_interval:g}, must be 0 or more seconds")
     given = guests(observers)

@@ -30,6 +30,17 @@ if TYPE_CHECKING:
     from warp_mps.fluid.fluids import Fluids
 
 
+def require_scene(scene: object) -> None:
+    """Refuse anything but a scene, such as the name of a case.
+
+    Raises:
+        InputError: It is not a scene.
+    """
+    if not isinstance(scene, Scene):
+        reason = f"is {scene!r}, must be a Scene; read_stage gives that of a stage or of a shipped case"
+        raise InputError("", "scene", reason)
+
+
 class Simulation(Readings):
     """A scene on a device, at one moment of its run.
 
@@ -72,9 +83,7 @@ class Simulation(Readings):
         from warp_mps.core.device import open_device
         from warp_mps.core.types import numeric_types
 
-        if not isinstance(scene, Scene):
-            reason = f"is {scene!r}, must be a Scene; read_stage gives that of a stage or of a shipped case"
-            raise InputError("", "scene", reason)
+        require_scene(scene)
         if not isinstance(threads, int) or threads < 1:
             raise InputError("", "threads", f"is {threads!r}, must be a whole number of 1 or more")
         if precision not in PRECISIONS:
