@@ -1,14 +1,12 @@
 """Starting Warp, choosing a device, and loading the kernels before they are needed."""
 
-import contextlib
-import os
-import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
 import warp as wp
 
+from warp_mps.core.native_output import native_errors
 from warp_mps.errors import InputError
 
 
@@ -22,7 +20,8 @@ def open_device(name: str) -> Any:
         InputError: There is no such device.
     """
     wp.config.log_level = wp.LOG_WARNING
-    with _without_driver_warning():
+    # on machines without a GPU, Warp's library says so on every run
+    with native_errors():
         wp.init()
     known = [device.alias for device in wp.get_devices()]
     if name not in known and not (name == "cuda" and wp.is_cuda_available()):
@@ -53,21 +52,3 @@ def _is_cached(name: str, device: Any) -> bool:
     cache = Path(wp.config.kernel_cache_dir or "")
     # kernels on the CPU are compiled for blocks of one thread
     return (cache / wp.get_module(name).get_module_identifier(1 if device.is_cpu else None)).is_dir()
-
-
-@contextlib.contextmanager
-def _without_driver_warning() -> Iterator[None]:
-    """Keep Warp's native library from telling users without a GPU, on every run, that they have none."""
-    try:
-        stderr = sys.__stderr__.fileno() if sys.__stderr__ else 2
-        saved = os.dup(stderr)
-    except OSError:
-        yield
-        return
-    with open(os.devnull, "w", encoding="utf-8") as sink:
-        os.dup2(sink.fileno(), stderr)
-        try:
-            yield
-        finally:
-            os.dup2(saved, stderr)
-            os.close(saved)

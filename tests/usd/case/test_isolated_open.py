@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+from pxr import Sdf
 
 from tests.usd.case.stages import write
 from warp_mps.errors import InputError
-from warp_mps.usd.case import isolated_open
+from warp_mps.usd.case import isolated_open, open_stage
+from warp_mps.usd.case.layers import check_layers
 
 # a child as slow as a test wants: it says that it is ready, and then waits or computes
 WAITING = "import sys, time; print('ready', flush=True); time.sleep(float(sys.argv[1]))"
@@ -55,3 +58,16 @@ def test_a_process_that_waits_for_ever_is_ended(tmp_path: Path, monkeypatch: pyt
     start(monkeypatch, "-c", WAITING, "600")
     with pytest.raises(InputError, match="takes USD more than 0 s of wall time to compose"):
         isolated_open.open_isolated(write(tmp_path), allow_external=False)
+
+
+def test_what_only_the_second_opening_notices_is_one_line(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    def noticed(path: Path, *, allow_external: bool) -> list[Sdf.Layer]:
+        os.write(2, b"failed call to posix_madvise(139999, 2101772)ret=12, errno=0 'Success'\n")
+        return check_layers(path, allow_external=allow_external)
+
+    monkeypatch.setattr(open_stage, "check_layers", noticed)
+    with pytest.raises(InputError, match="is damaged: it refers to what lies beyond its end"):
+        open_stage.open_stage(write(tmp_path))
+    assert capfd.readouterr().err == ""

@@ -24,7 +24,7 @@ READY = b"ready\n"
 # exit code where the memory does not suffice
 TOO_LARGE = 3
 # what USD prints when a binary file refers to places beyond its end
-BEYOND = b"posix_madvise"
+BEYOND, BEYOND_MEANS = b"posix_madvise", "it refers to what lies beyond its end"
 
 
 def open_isolated(path: str | Path, *, allow_external: bool) -> None:
@@ -69,8 +69,12 @@ def open_isolated(path: str | Path, *, allow_external: bool) -> None:
         raise InputError(str(path), "", f"takes USD more than {WALL_TIME * allowed:.0f} s of wall time to compose")
     if _name(code) == "SIGXCPU":
         raise InputError(str(path), "", f"takes USD more than {allowed:.0f} s of processor time to compose")
-    how = "it refers to what lies beyond its end" if beyond else f"USD fails on it, {_name(code)}"
-    raise InputError(str(path), "", f"is damaged: {how}")
+    raise damaged(path, BEYOND_MEANS if beyond else f"USD fails on it, {_name(code)}")
+
+
+def damaged(path: str | Path, how: str) -> InputError:
+    """The error of a file that USD cannot be trusted with."""
+    return InputError(str(path), "", f"is damaged: {how}")
 
 
 def _start(command: list[str], environment: dict[str, str], errors: IO[bytes]) -> subprocess.Popen[bytes]:

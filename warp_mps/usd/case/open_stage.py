@@ -11,9 +11,11 @@ from pathlib import Path
 
 from pxr import Sdf, Tf, Usd, UsdUtils
 
+from warp_mps.core.native_output import native_errors
 from warp_mps.errors import InputError
 from warp_mps.usd import register_schema
 from warp_mps.usd.case.attributes import ROLE, TABLE
+from warp_mps.usd.case.isolated_open import BEYOND, BEYOND_MEANS, damaged
 from warp_mps.usd.case.layers import check_layers, reason_of
 
 # The attributes that belong to any role; their types are those of the table, or this one.
@@ -24,14 +26,27 @@ _NOTATIONS |= dict.fromkeys(("3", "3f", "3d"), "(1, 0, 0)")
 
 
 @contextmanager
-def quiet() -> Iterator[None]:
-    """Keep USD from writing its diagnostics to the terminal; errors are raised all the same."""
+def quiet(path: str | Path) -> Iterator[None]:
+    """Keep USD from writing its diagnostics to the terminal; errors are raised all the same.
+
+    Args:
+        path: File of the stage that is read or written meanwhile.
+
+    Raises:
+        InputError: The file refers to places beyond its end. The isolated process may have missed it: USD notices
+            only where nothing else lies there in memory.
+    """
     delegate = UsdUtils.CoalescingDiagnosticDelegate()
-    try:
-        yield
-    finally:
-        delegate.TakeUncoalescedDiagnostics()
-        del delegate
+    with native_errors() as diverted:
+        try:
+            yield
+        finally:
+            delegate.TakeUncoalescedDiagnostics()
+            del delegate
+        diverted.seek(0)
+        beyond = BEYOND in diverted.read()
+    if beyond:
+        raise damaged(path, BEYOND_MEANS)
 
 
 def open_stage(
@@ -55,7 +70,7 @@ def open_stage(
     register_schema()
     if not os.path.isfile(path):
         raise InputError(str(path), "", "there is no such file")
-    with quiet():
+    with quiet(path):
         try:
             # kept until the stage is composed of them
             layers = check_layers(path, allow_external=allow_external)

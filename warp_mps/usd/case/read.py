@@ -59,7 +59,7 @@ def read_stage(path: str | Path, *, overrides: Mapping[str, str] | None = None, 
     """
     stage = open_stage(path, overrides=overrides, allow_external=allow_external)
     # numbers that are too large for a computer are refused as such wherever they come out
-    with quiet(), np.errstate(all="ignore"):
+    with quiet(path), np.errstate(all="ignore"):
         units = None
         try:
             reader = _Reader(stage, str(path))

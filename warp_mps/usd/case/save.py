@@ -50,7 +50,7 @@ def save_stage(scene: sc.Scene, path: str | Path) -> None:
     register_schema()
     stage = Usd.Stage.CreateInMemory()
     _Writer(stage, scene).write()
-    with quiet():
+    with quiet(path):
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
             done = stage.GetRootLayer().Export(str(path))
