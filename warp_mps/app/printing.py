@@ -18,9 +18,9 @@ from warp_mps.particles.selection import select_held
 from warp_mps.results.formatting import duration, percent
 from warp_mps.results.summary import RunSummary, headline
 from warp_mps.run.cost import Cost, available_memory, estimate, refuse_too_large
+from warp_mps.run.remarks import remarks_on_case
 from warp_mps.run.schedule import Clock
 from warp_mps.scene import Load, Scene, Support
-from warp_mps.scene.validation.fluids import remarks
 from warp_mps.usd.shipped_cases import shipped_cases
 
 WIDE = 300
@@ -49,14 +49,14 @@ def print_check(scene: Scene) -> int:
     lines: list[str] = []
     if cost.memory <= available_memory():
         particles = fill_scene(scene)
-        lines = [*part_lines(scene, particles), *particles.remarks()]
+        lines = [*part_lines(scene, particles), *remarks_on_case(scene, particles)]
         held: list[Support | Load] = [*scene.supports, *scene.loads]
         for item in held:
             select_held(particles, item)
         for probe in scene.probes:
             make_sampler(probe, scene, particles)
     console().print(_cost_table(scene, cost))
-    for line in [*remarks(scene), *lines]:
+    for line in lines:
         console().print(line, highlight=False, soft_wrap=True)
     refuse_too_large(scene)
     return 0

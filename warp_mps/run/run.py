@@ -17,10 +17,10 @@ from warp_mps.run.folder import claim_folder
 from warp_mps.run.locks import lock_folder
 from warp_mps.run.provenance import fingerprint
 from warp_mps.run.recording import Recording
+from warp_mps.run.remarks import remarks_on_case
 from warp_mps.run.simulation import Simulation, require_scene
 from warp_mps.scene import Scene
 from warp_mps.scene.choices import PrecisionName
-from warp_mps.scene.validation.fluids import remarks
 
 
 def run_scene(
@@ -75,7 +75,7 @@ def run_scene(
         longest, limit = simulation.longest_step
         if longest > limit:
             _say(f"the time step of {longest:.4g} s is above the limit of {limit:.4g} s: expect an unstable run")
-        found = [*remarks(scene), *simulation.particles.remarks(), *_remark_on_closed_fluid(simulation)]
+        found = [*remarks_on_case(scene, simulation.particles), *_remark_on_closed_fluid(simulation)]
         for line in [] if quiet else found:
             _say(line)
         if checkpoint is not None:

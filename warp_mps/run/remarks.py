@@ -1,0 +1,12 @@
+"""Remarks on a case: what a user should know before its numbers are believed, the same from a check and from a run."""
+
+from __future__ import annotations
+
+from warp_mps.particles.particles import Particles
+from warp_mps.scene import Scene
+from warp_mps.scene.validation.fluids import remarks as remarks_on_fluids
+
+
+def remarks_on_case(scene: Scene, particles: Particles) -> list[str]:
+    """Remarks on a scene and on the particles that fill it, a line each: what it is about, the number, the remedy."""
+    return [*remarks_on_fluids(scene), *particles.remarks()]
