@@ -3,10 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import pytest
 
 from warp_mps.errors import InputError
+
+# makes the fields of a scene
+Fields = Callable[[], dict[str, Any]]
+
+
+def named(value: object) -> str:
+    """Name of a set of parameters: its texts."""
+    return value[:40] if isinstance(value, str) else ""
 
 
 def assert_refused(make: Callable[[], object], where: str, attribute: str, reason: str) -> None:

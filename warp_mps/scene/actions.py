@@ -6,15 +6,16 @@ from dataclasses import dataclass, field
 
 from warp_mps.scene.fields import attribute, described
 from warp_mps.scene.motions import HarmonicMotion, TableMotion, Vector
+from warp_mps.scene.record import Record
 from warp_mps.shapes import Shape
 
 
 @described
 @dataclass(frozen=True, kw_only=True)
-class Support:
+class Support(Record):
     """A region whose particles are held along some axes or along all, at rest or on a prescribed motion."""
 
-    name: str
+    name: str = field(metadata=attribute(text="label"))
     """Name, unique in the scene."""
     region: Shape
     """Particles whose initial position lies in this shape are held."""
@@ -32,10 +33,10 @@ class Support:
 
 @described
 @dataclass(frozen=True, kw_only=True)
-class Load:
+class Load(Record):
     """A force on the particles of a region: its value times sin(2 pi f t + phase), constant where f = 0."""
 
-    name: str
+    name: str = field(metadata=attribute(text="label"))
     """Name, unique in the scene."""
     region: Shape
     """Particles whose initial position lies in this shape are loaded."""

@@ -15,15 +15,16 @@ from warp_mps.scene.motions import (
     Vector,
     VelocityField,
 )
+from warp_mps.scene.record import Record
 from warp_mps.shapes import Shape
 
 
 @described
 @dataclass(frozen=True, kw_only=True)
-class Part:
+class Part(Record):
     """A region of a body that is made of a material of its own: a layer, a core, a stiffener."""
 
-    name: str
+    name: str = field(metadata=attribute(text="label"))
     """Name, unique among the parts of the scene."""
     region: Shape
     """The body's particles whose initial position lies in this shape, faces included, are of the material; where parts
@@ -36,10 +37,10 @@ class Part:
 
 @described
 @dataclass(frozen=True, kw_only=True)
-class Body:
+class Body(Record):
     """An elastic body, filled with particles on a regular lattice."""
 
-    name: str
+    name: str = field(metadata=attribute(text="identifier"))
     """Name, unique in the scene and a valid USD prim name."""
     shape: Shape
     """Region that it fills."""
@@ -74,14 +75,14 @@ class Body:
 
 @described
 @dataclass(frozen=True, kw_only=True)
-class Wall:
+class Wall(Record):
     """A rigid body that holds fluids and that elastic bodies touch, at rest or on a prescribed motion.
 
     A point X of it is at x = pivot + R(angle) (X - pivot) + displacement. It is filled with particles as a body is;
     walls may overlap each other, and do not touch each other.
     """
 
-    name: str
+    name: str = field(metadata=attribute(text="identifier"))
     """Name, unique among bodies and walls and a valid USD prim name."""
     shape: Shape
     """Region that it fills."""
@@ -109,7 +110,7 @@ class Wall:
 
 @described
 @dataclass(frozen=True, kw_only=True)
-class Fluid:
+class Fluid(Record):
     """A body of liquid, filled with particles on a regular lattice.
 
     It may be drawn through bodies and walls, and leaves out what they take up: particles inside a solid, and particles
@@ -117,7 +118,7 @@ class Fluid:
     subtract its inside from the fluid, ``shape=sea - inside``, to keep it dry.
     """
 
-    name: str
+    name: str = field(metadata=attribute(text="identifier"))
     """Name, unique in the scene and a valid USD prim name."""
     shape: Shape
     """Region that it fills at the start."""

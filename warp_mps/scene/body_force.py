@@ -13,11 +13,12 @@ from typing import Any
 import numpy as np
 
 from warp_mps.scene.fields import attribute, described
+from warp_mps.scene.record import Record
 
 
 @described
 @dataclass(frozen=True, kw_only=True, repr=False)
-class BodyForce:
+class BodyForce(Record):
     """A force per mass that depends on place and time, beside the scene's gravity.
 
     It is for scenes made in Python: a stage cannot hold a function. The function is one of
@@ -37,7 +38,7 @@ class BodyForce:
     global variables that it reads.
     """
 
-    name: str
+    name: str = field(metadata=attribute(text="label"))
     """Name, unique in the scene."""
     acceleration: Callable = field(metadata=attribute(unit="m/s^2"))
     """The function, which gives the force per mass."""

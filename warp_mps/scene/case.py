@@ -13,11 +13,12 @@ from warp_mps.scene.materials import Material
 from warp_mps.scene.motions import Vector
 from warp_mps.scene.numerics import Contact, Elasticity, Flow, StageFrame
 from warp_mps.scene.probes import Measurement, Probe
+from warp_mps.scene.record import Record
 
 
 @described
 @dataclass(frozen=True, kw_only=True)
-class Scene:
+class Scene(Record):
     """A case: everything that a run needs to know, in SI units.
 
     Raises:
@@ -91,6 +92,7 @@ class Scene:
     def __post_init__(self) -> None:
         from warp_mps.scene.validation.scene import check_scene
 
+        super().__post_init__()
         check_scene(self)
 
     @property

@@ -69,6 +69,7 @@ class Attribute:
         minimum: Least allowed value.
         maximum: Greatest allowed value.
         finite: Whether a number must be finite.
+        text: What a name must be: an ``identifier`` as those of prims, or a ``label``, printable and not a formula.
         nature: How a vector lies in a 2-D scene: ``polar`` (in the plane), ``axial`` (along its normal) or ``point``
             (its component along the normal does not matter).
         axes: For numbers of axes, which a stage gives as letters: ``shape`` (axes of the shape) or ``stage``.
@@ -85,6 +86,7 @@ class Attribute:
     minimum: float | None = None
     maximum: float | None = None
     finite: bool = True
+    text: Literal["", "identifier", "label"] = ""
     nature: Literal["polar", "axial", "point"] = "polar"
     axes: Literal["", "shape", "stage"] = ""
     refers_to: str = ""

@@ -6,11 +6,12 @@ from dataclasses import dataclass, field
 
 from warp_mps.scene.choices import LawName
 from warp_mps.scene.fields import attribute, described
+from warp_mps.scene.record import Record
 
 
 @described
 @dataclass(frozen=True)
-class Material:
+class Material(Record):
     """An elastic, isotropic material."""
 
     density: float = field(metadata=attribute("physics:density", kind="float", unit="kg/m^3", above=0.0))
@@ -33,7 +34,7 @@ class Material:
 
 @described
 @dataclass(frozen=True)
-class Liquid:
+class Liquid(Record):
     """An incompressible, Newtonian liquid."""
 
     density: float = field(

@@ -9,13 +9,14 @@ import numpy as np
 
 from warp_mps.scene.choices import InterpolationName, VelocityFieldName
 from warp_mps.scene.fields import attribute, described
+from warp_mps.scene.record import Record
 
 Vector = Sequence[float]
 
 
 @described
 @dataclass(frozen=True, kw_only=True)
-class VelocityField:
+class VelocityField(Record):
     """An initial velocity that varies in space, in beams as v(x) = amplitude * shape(mode, s / length).
 
     s = (x - origin) . axis runs from 0 to `length`. The shapes are ``sine`` (sin(mode pi s / length)) and the
@@ -55,7 +56,7 @@ class VelocityField:
 
 @described
 @dataclass(frozen=True, kw_only=True)
-class HarmonicMotion:
+class HarmonicMotion(Record):
     """A prescribed displacement amplitude * (sin(2 pi f t + phase) - sin(phase)), zero at t = 0.
 
     With a phase of 0 it starts at its full speed, 2 pi f amplitude, which is an impact on what it touches; with a
@@ -72,7 +73,7 @@ class HarmonicMotion:
 
 @described
 @dataclass(frozen=True, kw_only=True)
-class TableMotion:
+class TableMotion(Record):
     """A prescribed displacement, interpolated between the rows of a table and constant outside it."""
 
     times: np.ndarray = field(metadata=attribute("mps:motion:times", unit="s"))
@@ -86,7 +87,7 @@ class TableMotion:
 
 @described
 @dataclass(frozen=True, kw_only=True)
-class HarmonicRotation:
+class HarmonicRotation(Record):
     """A prescribed rotation by an angle amplitude * (sin(2 pi f t + phase) - sin(phase)), zero at t = 0.
 
     With a phase of 0 it starts at its full rate, 2 pi f amplitude, with one of pi/2 or -pi/2 from rest.
@@ -107,7 +108,7 @@ class HarmonicRotation:
 
 @described
 @dataclass(frozen=True, kw_only=True)
-class TableRotation:
+class TableRotation(Record):
     """A prescribed rotation by the angles of a table, constant outside it."""
 
     times: np.ndarray = field(metadata=attribute("mps:rotation:times", unit="s"))

@@ -15,6 +15,7 @@ from warp_mps.scene.choices import (
 )
 from warp_mps.scene.fields import attribute, described
 from warp_mps.scene.motions import Vector
+from warp_mps.scene.record import Record
 
 # reach of neighbour lists beyond the effective radius, in particle spacings
 SKIN = 0.3
@@ -22,7 +23,7 @@ SKIN = 0.3
 
 @described
 @dataclass(frozen=True, kw_only=True)
-class Elasticity:
+class Elasticity(Record):
     """The elastic model and its parameters, the same for every body of a scene."""
 
     model: ElasticModelName = field(default="hamiltonian", metadata=attribute("mps:elasticModel"))
@@ -39,7 +40,7 @@ class Elasticity:
 
 @described
 @dataclass(frozen=True, kw_only=True)
-class Contact:
+class Contact(Record):
     """How bodies and walls repel each other where their faces meet; `warp_mps.elastic.contact.law` gives the law."""
 
     between: ContactName = field(default="bodies", metadata=attribute("mps:contact"))
@@ -53,7 +54,7 @@ class Contact:
 
 @described
 @dataclass(frozen=True, kw_only=True)
-class Flow:
+class Flow(Record):
     """How fluids are computed, the same for all of a scene."""
 
     scheme: FluidSchemeName = field(default="conservative", metadata=attribute("mps:fluidScheme"))
@@ -82,7 +83,7 @@ class Flow:
 
 @described
 @dataclass(frozen=True, kw_only=True)
-class StageFrame:
+class StageFrame(Record):
     """How the scene lies in the stage that it was read from, and in which results are written."""
 
     axes: StageAxesName = "xy"

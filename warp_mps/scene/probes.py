@@ -7,12 +7,13 @@ from dataclasses import dataclass, field
 from warp_mps.scene.choices import MeasureName, QuantityName
 from warp_mps.scene.fields import attribute, described
 from warp_mps.scene.motions import Vector
+from warp_mps.scene.record import Record
 from warp_mps.shapes import Shape
 
 
 @described
 @dataclass(frozen=True, kw_only=True)
-class Probe:
+class Probe(Record):
     """A quantity recorded through the run: at a point, averaged over a region, of a body or wall, or of a support.
 
     Exactly one of `point`, `region`, `body` and `support` is given; `PROBE_QUANTITIES` lists what each can record
@@ -31,7 +32,7 @@ class Probe:
     particles, half a spacing wide to each side, take up along every axis, and `extent` their difference.
     """
 
-    name: str
+    name: str = field(metadata=attribute(text="label"))
     """Name, the column of probes.csv."""
     quantity: QuantityName = field(default="displacement", metadata=attribute("mps:quantity"))
     """Recorded quantity, one of those that its place has."""
@@ -59,10 +60,10 @@ class Probe:
 
 @described
 @dataclass(frozen=True, kw_only=True)
-class Measurement:
+class Measurement(Record):
     """A number drawn from a probe's history after the run, beside the value it should have."""
 
-    name: str
+    name: str = field(metadata=attribute(text="label"))
     """Name of the result, such as ``first mode``."""
     measure: MeasureName = field(metadata=attribute("mps:measure"))
     """How the number is drawn from the history of the probe (`warp_mps.results.measures` defines each)."""

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.refusals import assert_refused
+from tests.refusals import Fields, assert_refused
 from tests.scenes import RUBBER
 from warp_mps.scene import Body, Flow, Liquid, Load, Material, Probe, Scene, Support
 from warp_mps.shapes import Box, Cylinder, Mesh, Points, Sphere
@@ -27,28 +27,58 @@ def scene(**fields: Any) -> Scene:
 @pytest.mark.parametrize(
     ("fields", "where", "attribute", "reason"),
     [
-        ({"bodies": body()}, "scene", "bodies", "is a Body, must be a tuple of Bodies"),
-        ({"bodies": (1,)}, "scene", "bodies", "is (1,), must be a tuple of Bodies"),
-        ({"duration": "1"}, "scene", "duration", "is '1', must be a number"),
-        ({"gravity": 9.81}, "scene", "gravity", "is 9.81, must be a sequence of numbers"),
-        ({"gravity": ("down", 0)}, "scene", "gravity", "must be a sequence of numbers"),
-        ({"dimension": 2.0}, "scene", "dimension", "is 2.0, must be a whole number"),
-        ({"elasticity": "springs"}, "scene", "elasticity", "is 'springs', must be an Elasticity"),
-        ({"sample_rate": "1"}, "scene", "sample_rate", "is '1', must be a number or None"),
-        ({"flow": Flow(domain=((0, 0),))}, "scene", "flow.domain", "must be a tuple of vectors or None"),
-        ({"bodies": (body(shape=(1, 1)),)}, "body 'block'", "shape", "is (1, 1), must be a Shape"),
-        ({"bodies": (body(path="/World/b", material="x"),)}, "/World/b", "material", "is 'x', must be a Material"),
-        ({"bodies": (body(material=Material("a", 1, 0.3)),)}, "body 'block'", "material.density", "is 'a', must be a"),
-        ({"bodies": (body(bonded_to="block"),)}, "body 'block'", "bonded_to", "is 'block', must be a tuple of texts"),
-        ({"bodies": (body(velocity=3),)}, "body 'block'", "velocity", "is 3, must be a sequence of numbers or None"),
-        ({"supports": (Support(name="s", region=1),)}, "support 's'", "region", "is 1, must be a Shape"),  # type: ignore[arg-type]
-        ({"supports": (Support(name="s", region=BOX, motion=1),)}, "support 's'", "motion", "a HarmonicMotion or a"),  # type: ignore[arg-type]
-        ({"loads": (Load(name="l", region=BOX, force=1),)}, "load 'l'", "force", "must be a sequence of numbers"),  # type: ignore[arg-type]
-        ({"probes": (Probe(name=3),)}, "probe '3'", "name", "is 3, must be a text"),  # type: ignore[arg-type]
+        (lambda: {"bodies": body()}, "scene", "bodies", "is a Body, must be a tuple of Bodies"),
+        (lambda: {"bodies": (1,)}, "scene", "bodies", "is (1,), must be a tuple of Bodies"),
+        (lambda: {"duration": "1"}, "scene", "duration", "is '1', must be a number"),
+        (lambda: {"gravity": 9.81}, "scene", "gravity", "is 9.81, must be a sequence of numbers"),
+        (lambda: {"gravity": ("down", 0)}, "scene", "gravity", "must be a sequence of numbers"),
+        (lambda: {"dimension": 2.0}, "scene", "dimension", "is 2.0, must be a whole number"),
+        (lambda: {"elasticity": "springs"}, "scene", "elasticity", "is 'springs', must be an Elasticity"),
+        (lambda: {"sample_rate": "1"}, "scene", "sample_rate", "is '1', must be a number or None"),
+        (lambda: {"flow": Flow(domain=((0, 0),))}, "flow", "domain", "must be a tuple of vectors or None"),
+        (lambda: {"bodies": (body(shape=(1, 1)),)}, "body 'block'", "shape", "is (1, 1), must be a Shape"),
+        (
+            lambda: {"bodies": (body(path="/World/b", material="x"),)},
+            "/World/b",
+            "material",
+            "is 'x', must be a Material",
+        ),
+        (
+            lambda: {"bodies": (body(material=Material("a", 1, 0.3)),)},
+            "material",
+            "density",
+            "is 'a', must be a",
+        ),
+        (
+            lambda: {"bodies": (body(bonded_to="block"),)},
+            "body 'block'",
+            "bonded_to",
+            "is 'block', must be a tuple of texts",
+        ),
+        (
+            lambda: {"bodies": (body(velocity=3),)},
+            "body 'block'",
+            "velocity",
+            "is 3, must be a sequence of numbers or None",
+        ),
+        (lambda: {"supports": (Support(name="s", region=1),)}, "support 's'", "region", "is 1, must be a Shape"),  # type: ignore[arg-type]
+        (
+            lambda: {"supports": (Support(name="s", region=BOX, motion=1),)},
+            "support 's'",
+            "motion",
+            "a HarmonicMotion or a",
+        ),  # type: ignore[arg-type]
+        (
+            lambda: {"loads": (Load(name="l", region=BOX, force=1),)},
+            "load 'l'",
+            "force",
+            "must be a sequence of numbers",
+        ),  # type: ignore[arg-type]
+        (lambda: {"probes": (Probe(name=3),)}, "probe 3", "name", "is 3, must be a text"),  # type: ignore[arg-type]
     ],
 )
-def test_fields_of_another_kind(fields: dict[str, Any], where: str, attribute: str, reason: str) -> None:
-    assert_refused(lambda: scene(**fields), where, attribute, reason)
+def test_fields_of_another_kind(fields: Fields, where: str, attribute: str, reason: str) -> None:
+    assert_refused(lambda: scene(**fields()), where, attribute, reason)
 
 
 def test_what_is_as_good_as_a_number_a_tuple_or_an_array() -> None:

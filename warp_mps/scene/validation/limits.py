@@ -9,17 +9,15 @@ import numpy as np
 
 from warp_mps.scene.fields import Attribute, attributes_of
 from warp_mps.scene.validation.rules import in_range, positive, require
-from warp_mps.scene.validation.types import records
 from warp_mps.shapes.numbers import is_number
 
 
-def check_limits(record: Any, where: str, prefix: str = "") -> None:
-    """Check the numbers of a record of a scene, and of the records in it.
+def check_limits(record: Any, where: str) -> None:
+    """Check the numbers of a record of a scene, but not those of the records in it.
 
     Args:
         record: A scene, or a part of one.
         where: Its name in error messages.
-        prefix: Prefix of the names of its fields, such as ``flow.``.
 
     Raises:
         InputError: A number is out of its range.
@@ -27,9 +25,7 @@ def check_limits(record: Any, where: str, prefix: str = "") -> None:
     for name, known in attributes_of(type(record)).items():
         value = getattr(record, name)
         if is_number(value) and not isinstance(value, np.ndarray):
-            _check(float(value), known, where, prefix + name)
-    for inner, item, item_place in records(record, where, prefix):
-        check_limits(item, item_place, inner)
+            _check(float(value), known, where, name)
 
 
 def _check(value: float, known: Attribute, where: str, attribute: str) -> None:

@@ -18,10 +18,8 @@ from warp_mps.scene.validation.body_forces import check_body_forces
 from warp_mps.scene.validation.coupling import check_coupling
 from warp_mps.scene.validation.fluids import check_fluids, check_velocity_field
 from warp_mps.scene.validation.implicit import check_implicit
-from warp_mps.scene.validation.limits import check_limits
 from warp_mps.scene.validation.probes import check_measurement, check_probe, names_of_bodies
 from warp_mps.scene.validation.rules import choice, place, require, vector
-from warp_mps.scene.validation.types import check_types
 
 if TYPE_CHECKING:
     from warp_mps.scene import Body, Fluid, Load, Material, Scene, Support, Wall
@@ -30,14 +28,11 @@ __all__ = ["check_scene", "place"]
 
 
 def check_scene(scene: Scene) -> None:
-    """Check everything about a scene that can be known without its particles.
+    """Check everything about a scene that can be known without its particles, and not of its records alone.
 
     Raises:
         InputError: The first thing found that is not allowed.
     """
-    where = scene.path if isinstance(scene.path, str) else "scene"
-    check_types(scene, where)
-    check_limits(scene, where)
     _scene_fields(scene)
     _frame(scene)
     require(bool(scene.bodies or scene.fluids), scene.path, "bodies", "is empty: a scene needs a body or a fluid")
@@ -96,7 +91,6 @@ def _unique(scene: Scene) -> None:
         seen: set[str] = set()
         for item in items:
             require(item.name not in seen, place(item, kind), "name", f"{item.name!r} is used twice")
-            require(bool(item.name), place(item, kind), "name", "is empty")
             seen.add(item.name)
     kinds: dict[str, str] = {}
     for kind in ("body", "wall", "fluid"):
@@ -127,7 +121,6 @@ def _start(scene: Scene, item: Body | Fluid, where: str) -> None:
 
 def _filled(item: Body | Wall | Fluid, where: str) -> None:
     """Checks that bodies, walls and fluids share."""
-    require(item.name.isidentifier(), where, "name", f"is {item.name!r}, must be letters, digits and _ as in a prim's")
     require(all(axis in (0, 1, 2) for axis in item.node_axes), where, "node_axes", "must be axes among x, y and z")
 
 

@@ -1,4 +1,4 @@
-"""Whether every field of a scene holds a value of the type of its annotation, checked before it is used."""
+"""Whether every field of a record of a scene holds a value of the type of its annotation, checked before it is used."""
 
 from __future__ import annotations
 
@@ -6,14 +6,12 @@ import dataclasses
 import functools
 import types
 import typing
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, Literal
 
 import numpy as np
 
 from warp_mps.errors import InputError
-from warp_mps.scene.validation.rules import place
-from warp_mps.shapes import Shape
 from warp_mps.shapes.numbers import is_number
 
 # names of the types of fields in messages
@@ -27,13 +25,12 @@ _WORDS: dict[Any, str] = {
 }
 
 
-def check_types(record: Any, where: str, prefix: str = "") -> None:
-    """Check the fields of a record of a scene, and of the records in them.
+def check_types(record: Any, where: str) -> None:
+    """Check the fields of a record of a scene, but not those of the records in it.
 
     Args:
         record: A scene, or a part of one.
         where: Its name in error messages.
-        prefix: Prefix of the names of its fields, such as ``motion.``.
 
     Raises:
         InputError: A field holds something of another kind.
@@ -43,32 +40,7 @@ def check_types(record: Any, where: str, prefix: str = "") -> None:
         if not _fits(value, hint):
             word, options = _wrong_word(value, hint)
             allowed = f"one of: {', '.join(options)}" if options else _wording(hint)
-            raise InputError(where, prefix + name, f"is {_shown(word)}, must be {allowed}")
-    for name, item, item_place in records(record, where, prefix):
-        check_types(item, item_place, name)
-
-
-def records(record: Any, where: str, prefix: str = "") -> Iterator[tuple[str, Any, str]]:
-    """The records in the fields of a record, each with the prefix of its fields' names and its name in errors."""
-    for name in _hints(record.__class__):
-        value = getattr(record, name)
-        item: Any
-        for item in value if isinstance(value, tuple | list) else [value]:
-            if not dataclasses.is_dataclass(item) or isinstance(item, Shape):  # shapes check themselves
-                continue
-            if hasattr(item, "name"):
-                yield "", item, place(item, type(item).__name__.lower())  # type: ignore[arg-type]
-            elif _own_path(item):
-                yield "", item, _own_path(item)
-            else:
-                yield f"{prefix}{name}.", item, where
-
-
-def _own_path(item: Any) -> str:
-    """Path of a record that was described at a place of its own, such as a material; empty for others."""
-    default = next((field.default for field in dataclasses.fields(item) if field.name == "path"), "")
-    path = getattr(item, "path", "")
-    return path if isinstance(path, str) and path != default else ""
+            raise InputError(where, name, f"is {_shown(word)}, must be {allowed}")
 
 
 @functools.cache

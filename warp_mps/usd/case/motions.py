@@ -26,7 +26,7 @@ def velocity_field(values: Values) -> VelocityField | None:
     for part in VELOCITY_FIELD_PARTS[fields["kind"]]:
         if part not in fields:
             raise InputError(values.path, f"mps:velocityField:{part}", "is missing: mps:velocityField needs it")
-    return VelocityField(**fields)
+    return values.record(VelocityField, "velocity_field", fields)
 
 
 def domain(values: Values) -> tuple[Vector, Vector] | None:
@@ -42,7 +42,7 @@ def motion(values: Values) -> HarmonicMotion | TableMotion | None:
     """The prescribed displacement of a support or a wall, None if it has none."""
     given = values.fields("motion")
     kind = _kind(values, "motion", given, (HarmonicMotion, TableMotion), "displacements")
-    return kind(**given) if kind else None
+    return values.record(kind, "motion", given) if kind else None
 
 
 def rotation(values: Values) -> HarmonicRotation | TableRotation | None:
@@ -63,7 +63,7 @@ def rotation(values: Values) -> HarmonicRotation | TableRotation | None:
             raise InputError(values.path, "mps:rotation:axis", "has no length")
         part = "amplitude" if kind is HarmonicRotation else "angles"
         given[part] = given[part] if along > 0.0 else -given[part]
-    return kind(**given)
+    return values.record(kind, "rotation", given)
 
 
 def _kind(values: Values, name: str, given: dict[str, Any], kinds: tuple[type, type], rows: str) -> Any:

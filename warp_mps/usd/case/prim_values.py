@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Collection, Mapping
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from pxr import Tf, Usd, Vt
@@ -15,6 +15,8 @@ from warp_mps.usd.case.attributes import ROLE, TABLE
 from warp_mps.usd.case.frame import Frame
 from warp_mps.usd.case.layers import reason_of
 from warp_mps.usd.case.stage_attribute import StageAttribute
+
+Kind = TypeVar("Kind")
 
 
 class Values:
@@ -67,6 +69,22 @@ class Values:
             if owner == record and not row.stage_only and field not in without:
                 found[field] = self.get(row.name)
         return {field: value for field, value in found.items() if value is not None}
+
+    def record(self, kind: type[Kind], name: str, given: Mapping[str, Any]) -> Kind:
+        """A record that a field of the scene's class holds.
+
+        Args:
+            kind: Class of the record.
+            name: The field, such as ``flow``.
+            given: Fields of the record.
+
+        Raises:
+            InputError: The record refuses a field; the error names the prim.
+        """
+        try:
+            return kind(**given)
+        except InputError as error:
+            raise InputError(self.path, f"{name}.{error.attribute}", error.reason) from None
 
     def get(self, name: str) -> Any:
         """Value of an attribute as the scene has it: in SI units, vectors as tuples along the scene's axes.
