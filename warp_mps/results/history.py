@@ -49,16 +49,20 @@ class History:
         """Times [s], shape [m]."""
         return np.array([row[0] for row in self.rows])
 
-    def probe(self, name: str, component: int = 0) -> np.ndarray:
+    def probe(self, name: str, component: int | str = 0) -> np.ndarray:
         """History of one component of a probe, shape [m].
 
+        Args:
+            name: Name of the probe.
+            component: Number of the component, from 0, or its name, such as ``y`` or ``xy``.
+
         Raises:
-            KeyError: There is no such probe or component.
+            KeyError: There is no such probe or component; the text lists those that there are.
         """
         column = self._column(name, component)
         return np.array([row[column] for row in self.rows])
 
-    def label(self, name: str, component: int = 0) -> str:
+    def label(self, name: str, component: int | str = 0) -> str:
         """Label of the column of one component of a probe, e.g. ``tip.x [m]``.
 
         Raises:
@@ -66,16 +70,31 @@ class History:
         """
         return self.labels[self._column(name, component)]
 
-    def _column(self, name: str, component: int) -> int:
-        columns = [
-            column
-            for column, label in enumerate(self.labels[1 : -len(ENERGY_NAMES)], start=1)
-            if label.rpartition(" [")[0] == name
-            or re.fullmatch(re.escape(name) + r"\.[xyz]{1,2}", label.rpartition(" [")[0])
-        ]
-        if component < len(columns):
-            return columns[component]
-        raise KeyError(f"probe {name!r} has no component {component}")
+    @property
+    def probes(self) -> dict[str, tuple[str, ...]]:
+        """Names of the components of each probe, by its name; one empty name for a probe of a single number."""
+        return {name: tuple(columns) for name, columns in self._columns().items()}
+
+    def _columns(self) -> dict[str, dict[str, int]]:
+        """Columns by the names of the probe and of its component."""
+        found: dict[str, dict[str, int]] = {}
+        for column, label in enumerate(self.labels[1 : -len(ENERGY_NAMES)], start=1):
+            quantity = label.rpartition(" [")[0]
+            parts = re.fullmatch(r"(.+)\.([xyz]{1,2})", quantity)
+            name, component = parts.groups() if parts else (quantity, "")
+            found.setdefault(name, {})[component] = column
+        return found
+
+    def _column(self, name: str, component: int | str) -> int:
+        columns = self._columns().get(name)
+        if columns is None:
+            raise KeyError(f"there is no probe {name!r}, there are: {', '.join(self.probes) or 'none'}")
+        if component in columns:
+            return columns[str(component)]
+        if isinstance(component, int | np.integer) and 0 <= component < len(columns):
+            return list(columns.values())[component]
+        known = ", ".join(filter(None, columns)) or "a single one, 0"
+        raise KeyError(f"probe {name!r} has no component {component!r}, its components are: {known}")
 
     def energies(self) -> list[Energy]:
         """Energies of every row."""

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
-from warp_mps.scene.choices import ABOUT_QUANTITIES, AT_MEASURES, MEASURE_UNITS, PROBE_UNITS
+from warp_mps.scene.choices import ABOUT_QUANTITIES, AT_MEASURES, MEASURE_UNITS, PROBE_QUANTITIES, PROBE_UNITS
 from warp_mps.scene.components import component_names
 from warp_mps.scene.validation.fluids import check_probed_fluid, probe_quantities
 from warp_mps.scene.validation.rules import choice, named, place, positive, require, vector
@@ -21,9 +22,12 @@ def check_probe(scene: Scene, probe: Probe) -> None:
         InputError: Something is not allowed.
     """
     where = place(probe, "probe")
+    reason = f"is {probe.name!r}, must not end like the name of a component, {probe.name.rpartition('.')[2]!r}"
+    require(not re.search(r"\.[xyz]{1,2}$", probe.name), where, "name", reason)
     given = [p for p in (probe.point, probe.region, probe.body, probe.support) if p is not None]
     require(len(given) == 1, where, "target", "must be exactly one of a point, a region, a body and a support")
-    choice(probe.quantity, probe_quantities(probe, scene), where, "quantity")
+    _check_target(probe, scene, where)
+    _check_quantity(probe, scene, where)
     if probe.point is not None:
         vector(probe.point, scene.dimension, where, "point")
     moment = probe.quantity in ABOUT_QUANTITIES
@@ -32,12 +36,30 @@ def check_probe(scene: Scene, probe: Probe) -> None:
     require(moment or probe.about is None, where, "about", f"needs {' or '.join(ABOUT_QUANTITIES)}")
     if probe.about is not None:
         vector(probe.about, scene.dimension, where, "about")
-    others = {*(wall.name for wall in scene.walls), *(fluid.name for fluid in scene.fluids)}
-    if probe.body is not None and probe.body not in others:
-        names_of_bodies((probe.body,), scene, where, "target")
     check_probed_fluid(probe, scene, where)
+
+
+def _check_target(probe: Probe, scene: Scene, where: str) -> None:
+    """Refuse a probe of something that the scene does not have."""
+    filled, supports = [item.name for item in scene.filled], [support.name for support in scene.supports]
+    if probe.body is not None:
+        hint = f"is {probe.body!r}, which is a support: name it by support, not by body"
+        require(probe.body in filled or probe.body not in supports, where, "target", hint)
+        named(probe.body, filled, where, "target", "body, wall or fluid")
     if probe.support is not None:
-        named(probe.support, [support.name for support in scene.supports], where, "target", "support")
+        hint = f"is {probe.support!r}, which is not a support: name it by body"
+        require(probe.support in supports or probe.support not in filled, where, "target", hint)
+        named(probe.support, supports, where, "target", "support")
+
+
+def _check_quantity(probe: Probe, scene: Scene, where: str) -> None:
+    """Refuse a quantity that its place does not have, and say which places have it."""
+    known = probe_quantities(probe, scene)
+    reason = f"is {probe.quantity!r}, must be one of: {', '.join(known)}"
+    others = [place for place, quantities in PROBE_QUANTITIES.items() if probe.quantity in quantities]
+    if others:
+        reason += f"; {probe.quantity} is of a {' or a '.join(others)}"
+    require(probe.quantity in known, where, "quantity", reason)
 
 
 def check_measurement(scene: Scene, measurement: Measurement) -> None:
