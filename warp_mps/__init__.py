@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from warp_mps.observers.base import Observer, View
     from warp_mps.results.history import read_history
     from warp_mps.results.summary import RunSummary, read_summary
+    from warp_mps.run.inventory.case_check import CaseCheck, check
     from warp_mps.run.run import run_scene
     from warp_mps.run.simulation import Simulation
     from warp_mps.scene import (
@@ -66,6 +67,7 @@ _HOMES = {
     "warp_mps.observers.base": ("Observer", "View"),
     "warp_mps.results.history": ("read_history",),
     "warp_mps.results.summary": ("RunSummary", "read_summary"),
+    "warp_mps.run.inventory.case_check": ("CaseCheck", "check"),
     "warp_mps.run.run": ("run_scene",),
     "warp_mps.scene": (
         *(
@@ -97,6 +99,7 @@ __all__ = [
     "Body",
     "BodyForce",
     "Box",
+    "CaseCheck",
     "Contact",
     "Cylinder",
     "Difference",
@@ -130,6 +133,7 @@ __all__ = [
     "VelocityField",
     "View",
     "Wall",
+    "check",
     "fill_to",
     "find_case",
     "picture",

@@ -48,12 +48,17 @@ def list_cases() -> int:
 
 
 def check(
-    case: Positional[Case], *, duration: Duration = None, changes: Changes = (), allow_external: External = False
+    case: Positional[Case],
+    *,
+    json: Annotated[bool, arg(help="Print the check as JSON.")] = False,
+    duration: Duration = None,
+    changes: Changes = (),
+    allow_external: External = False,
 ) -> int:
-    """Read a case and print what a run would cost: particles, time step, memory, disk, time. Runs nothing."""
-    from warp_mps.app.printing import print_check
+    """Read a case and print what it is and what a run would cost: sizes, masses, time step, memory. Runs nothing."""
+    from warp_mps.app.check_printing import print_check
 
-    return print_check(_read(case, changes, duration, allow_external=allow_external))
+    return print_check(_read(case, changes, duration, allow_external=allow_external), as_json=json)
 
 
 def run(

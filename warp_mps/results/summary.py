@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 import json
-import math
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, get_args
@@ -12,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Literal, get_args
 from warp_mps.errors import InputError
 from warp_mps.results.atomic_write import write_whole
 from warp_mps.results.energy import ENERGY_NAMES
-from warp_mps.results.formatting import duration, percent
+from warp_mps.results.formatting import duration, finite, percent
 from warp_mps.results.history import History
 from warp_mps.results.measures import evaluate
 
@@ -83,7 +82,7 @@ class RunSummary:
 
     def write(self, path: str | Path) -> None:
         """Write run.json in one atomic step; NaN and infinity become null."""
-        text = json.dumps(_finite(dataclasses.asdict(self)), indent=2, allow_nan=False)
+        text = json.dumps(finite(dataclasses.asdict(self)), indent=2, allow_nan=False)
         write_whole(path, text + "\n")
 
 
@@ -167,17 +166,6 @@ def _row(measurement: Measurement, history: History) -> dict[str, Any]:
     if measurement.reference:
         row["error"] = (row["value"] - measurement.reference) / abs(measurement.reference)
     return row
-
-
-def _finite(value: Any) -> Any:
-    """The same structure with None for NaN and infinity, which JSON cannot hold."""
-    if isinstance(value, dict):
-        return {key: _finite(item) for key, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [_finite(item) for item in value]
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    return value
 
 
 def outline(summary: RunSummary) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -26,9 +26,9 @@ def place(item: Body | Part | Wall | Fluid | Support | Load | BodyForce | Probe 
     return item.path or f"{kind} '{item.name}'"
 
 
-def kind_of(item: Body | Wall | Fluid) -> str:
+def kind_of(item: Body | Wall | Fluid) -> Literal["body", "wall", "fluid"]:
     """How an error names a body, wall or fluid: ``body``, ``wall`` or ``fluid``."""
-    return type(item).__name__.lower()
+    return "body" if hasattr(item, "material") else "wall" if hasattr(item, "slip") else "fluid"
 
 
 def require(good: bool | np.bool_, where: str, attribute: str, reason: str) -> None:

@@ -1,0 +1,91 @@
+"""Printed output of ``warp-mps check``."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Iterable, Iterator, Sequence
+
+from rich.table import Table
+
+from warp_mps.app.printing import console, plain_table
+from warp_mps.results.formatting import duration, memory
+from warp_mps.run.inventory.case_check import CaseCheck, check
+from warp_mps.run.inventory.items import ItemCheck
+from warp_mps.run.schedule import Clock
+from warp_mps.scene import Scene
+
+
+def print_check(scene: Scene, *, as_json: bool = False) -> int:
+    """Print what a scene is and what a run of it would cost, and refuse a scene that the run would refuse.
+
+    Raises:
+        InputError: As `warp_mps.run.inventory.case_check.check`.
+    """
+    found = check(scene)
+    out = console()
+    if as_json:
+        print(found.to_json())
+        return 0
+    out.print(_table(_cost_rows(scene, found)))
+    out.print(_table(row for item in found.items for row in _item_rows(item, scene)))
+    for line in found.remarks:
+        out.print(line, highlight=False, soft_wrap=True)
+    return 0
+
+
+def _table(rows: Iterable[tuple[str, str]]) -> Table:
+    table = plain_table("", "")
+    table.show_header = False
+    for name, value in rows:
+        table.add_row(name, value)
+    return table
+
+
+def _cost_rows(scene: Scene, found: CaseCheck) -> Iterator[tuple[str, str]]:
+    """Names and values of what a run of a case takes."""
+    clock, static, cost = Clock(scene), scene.analysis == "static", found.cost
+    yield "case", f"{found.case} ({found.method})"
+    note = "" if cost.dt <= cost.dt_limit else f"  ABOVE THE LIMIT of {cost.dt_limit:.4g} s: will be unstable"
+    step = "longest time step" if scene.fluids else "load step" if static else "time step"
+    yield step, f"{cost.dt:.4g}{'' if static else ' s'}{note}"
+    yield "steps at least, frames" if scene.fluids else "steps, frames", f"{cost.steps}, {cost.frames}"
+    rates = (1.0 / (every * clock.dt) for every in (clock.frame_every, clock.sample_every))
+    if not static:
+        yield "frames, rows of probes.csv a second", ", ".join(f"{rate:.6g}" for rate in rates)
+    yield "memory", f"{memory(cost.memory)} of {memory(found.available_memory)} available"
+    free = shutil.disk_usage(".").free
+    note = "" if 2.0 * cost.disk <= free else "  TOO MUCH: save fewer frames, by a lower mps:frameRate"
+    here = f"at most {memory(cost.disk)}, twice that while it is written, {memory(free)} are free here"
+    yield "animation", f"{here}{note}"
+    yield "expected time on one CPU core", duration(cost.seconds)
+
+
+def _item_rows(item: ItemCheck, scene: Scene) -> Iterator[tuple[str, str]]:
+    """Names and values of what an item is."""
+    plane = scene.dimension == 2
+    yield f"{item.kind} {item.name}", "" if item.path == f"{item.kind} '{item.name}'" else item.path
+    size = f"{_times(item.size)} m"
+    if item.size_in_stage:
+        size += f", {_times(item.size_in_stage)} units of the stage"
+    yield "  size, from", f"{size}, {_point(item.low, item.spacing)} m"
+    yield "  particles", f"{item.particles} of {item.spacing:g} m"
+    properties = item.mass
+    yield "  area" if plane else "  volume", f"{properties.volume:.6g} m^{scene.dimension}"
+    centre = f"{_point(properties.centre, item.spacing)} m"
+    if properties.mass is None or properties.inertia is None:
+        yield "  centre", centre
+        return
+    yield "  mass", f"{properties.mass:.6g} {'kg/m' if plane else 'kg'}"
+    for share in item.parts:
+        yield f"    of {share.name}", f"{share.particles} particles, {share.mass:.6g} {'kg/m' if plane else 'kg'}"
+    moments = ", ".join(f"{row[k]:.4g}" for k, row in enumerate(properties.inertia))
+    yield "  centre of gravity, inertia about it", f"{centre}, {moments} {'kg m' if plane else 'kg m^2'}"
+
+
+def _times(lengths: Sequence[float]) -> str:
+    return " x ".join(f"{length:.6g}" for length in lengths)
+
+
+def _point(coordinates: Sequence[float], spacing: float) -> str:
+    """A point as text, without the rounding of coordinates that are 0."""
+    return f"({', '.join(f'{0.0 if abs(value) < 1e-9 * spacing else value:.6g}' for value in coordinates)})"
