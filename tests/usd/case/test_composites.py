@@ -188,7 +188,7 @@ def test_a_body_can_be_taken_out_of_a_fluid_by_its_own_prim(tmp_path: Path) -> N
             {**PARTS, "Disc": ("Sphere", "double mps:inerRadius = 1")},
             "/Disc",
             "mps:inerRadius",
-            "is not known of a shape",
+            "has no effect: the prim has no mps:role",
         ),
         ({**PARTS, "Disc": ("Sphere", "double mps:innerRadius = 1")}, "/Disc", "mps:innerRadius", "is of a Cylinder"),
         (

@@ -172,7 +172,9 @@ def test_refusals_in_the_words_of_the_stage(tmp_path: Path, words: str, text: di
 
 def test_a_stage_without_anything_to_simulate(tmp_path: Path) -> None:
     path = written(tmp_path)
-    path.write_text(path.read_text(encoding="utf-8").replace('token mps:role = "fluid"', ""), encoding="utf-8")
+    path.write_text(
+        path.read_text(encoding="utf-8").replace('token mps:role = "fluid"', "token mps:role = None"), encoding="utf-8"
+    )
     with pytest.raises(InputError, match="needs a body or a fluid"):
         read_stage(path)
 

@@ -62,6 +62,7 @@ def test_an_inactive_hole_is_none(activity: str, count: int, tmp_path: Path) -> 
 def test_a_class_and_a_level_of_an_operand_are_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="/W/A mps:minus: refers to /W/B, which is a class"):
         read_stage(stage(tmp_path, PLATE % ("", "</W/B>"), (HOLE % ("B", "", "")).replace("def", "class")))
-    level = HOLE % ("B", "", "double mps:fillLevel = 0")
+    fluid = 'token mps:role = "fluid"\n double mps:spacing = 0.05\n double mps:fillLevel = 0'
+    level = HOLE % ("B", "", fluid)
     with pytest.raises(InputError, match="/W/A mps:minus: refers to /W/B, whose mps:fillLevel does not cut it"):
         read_stage(stage(tmp_path, PLATE % ("", "</W/B>"), level))

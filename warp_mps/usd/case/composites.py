@@ -13,9 +13,9 @@ from pxr import Usd
 
 from warp_mps.errors import InputError
 from warp_mps.shapes import Difference, Intersection, Points, Shape, Union
-from warp_mps.usd.case.attributes import ROLE
+from warp_mps.usd.case.authored import is_given
 from warp_mps.usd.case.frame import Frame
-from warp_mps.usd.case.geometry import has_shape, read_shape
+from warp_mps.usd.case.geometry import read_shape
 from warp_mps.usd.case.prim_values import related_prims, typed
 
 # relationships, in the order in which they are applied, and the operation of each
@@ -55,10 +55,9 @@ class _Reader:
         self.count += 1
         if self.count > MOST_SHAPES:
             raise InputError(self.path, PLUS, f"makes a shape of more than {MOST_SHAPES} others")
-        bore = prim.GetAttribute(BORE)
-        given = typed(bore, "double") if bore and bore.HasAuthoredValue() else 0.0
         # the bore's radius is a length of the shape's own coordinates, as its radius is
-        shape = read_shape(prim, self.frame, given * self.frame.stage.meters_per_unit)
+        bore = typed(prim.GetAttribute(BORE), "double") if is_given(prim, BORE) else None
+        shape = read_shape(prim, self.frame, None if bore is None else bore * self.frame.stage.meters_per_unit)
         for name, join in JOINS.items():
             for target in self._targets(prim, name):
                 other = str(target.GetPath())
@@ -78,24 +77,10 @@ class _Reader:
             if found.IsAbstract():
                 reason = f"refers to {found.GetPath()}, which is a class; refer to a prim that is defined"
                 raise InputError(path, name, reason)
-            level = found.GetAttribute(LEVEL)
-            if level and level.HasAuthoredValue():
+            if is_given(found, LEVEL):
                 reason = f"refers to {found.GetPath()}, whose {LEVEL} does not cut it here; refer to a prim without it"
                 raise InputError(path, name, reason)
-            self._check_names(found)
         return prims
-
-    @staticmethod
-    def _check_names(prim: Usd.Prim) -> None:
-        """Refuse misspelt attributes of a prim without a role; those of prims with one are checked with it."""
-        if prim.HasAttribute(ROLE) or not has_shape(prim):
-            return
-        for name in prim.GetAuthoredPropertyNames():
-            if name.startswith("mps:") and name not in (*JOINS, BORE):
-                known = ", ".join((*JOINS, BORE))
-                raise InputError(
-                    str(prim.GetPath()), name, f"is not known of a shape without a role; known are {known}"
-                )
 
 
 def operations(shape: Shape) -> tuple[Shape, dict[str, list[Shape]]]:

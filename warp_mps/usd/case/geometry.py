@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import numpy as np
-from pxr import Tf, Usd, UsdGeom
+from pxr import Usd, UsdGeom
 
 from warp_mps.errors import InputError
-from warp_mps.scene.validation.rules import LARGEST
 from warp_mps.shapes import Box, Cylinder, Mesh, Points, Shape, Sphere
 from warp_mps.shapes.lattice import rigid_axes
+from warp_mps.usd.case.authored import is_given
 from warp_mps.usd.case.frame import Frame
-from warp_mps.usd.case.layers import reason_of
 from warp_mps.usd.case.prim_values import typed
 from warp_mps.usd.case.stage_errors import stage_error
+from warp_mps.usd.case.transforms import world_matrix
 
 KINDS = ("Cube", "Sphere", "Cylinder", "Mesh", "Points")
 
@@ -22,37 +22,13 @@ def has_shape(prim: Usd.Prim) -> bool:
     return bool(prim.IsA(UsdGeom.Gprim))
 
 
-def world_matrix(prim: Usd.Prim) -> np.ndarray:
-    """Matrix from a prim's coordinates to the stage's, columns are the images of its axes, shape [4, 4].
-
-    Raises:
-        InputError: It cannot be read, or varies in time, which a case does by motions, not by transforms.
-    """
-    ancestor = prim
-    while ancestor:
-        transform = UsdGeom.Xformable(ancestor)
-        try:
-            varies = transform and transform.TransformMightBeTimeVarying()
-            matrix = np.array(transform.GetLocalTransformation() if transform else np.eye(4))
-        except Tf.ErrorException as error:
-            raise InputError(str(ancestor.GetPath()), "xformOpOrder", f"cannot be read: {reason_of(error)}") from None
-        if varies:
-            reason = "varies in time; a support or a wall moves by mps:motion:amplitude or mps:motion:times"
-            raise InputError(str(ancestor.GetPath()), "xformOpOrder", reason)
-        if not np.abs(matrix).max() <= LARGEST:
-            reason = f"makes a matrix that is not finite, or above {LARGEST:g}"
-            raise InputError(str(ancestor.GetPath()), "xformOpOrder", reason)
-        ancestor = ancestor.GetParent()
-    return np.array(UsdGeom.XformCache(Usd.TimeCode.Default()).GetLocalToWorldTransform(prim)).T
-
-
-def read_shape(prim: Usd.Prim, frame: Frame, inner_radius: float = 0.0) -> Shape:
+def read_shape(prim: Usd.Prim, frame: Frame, inner_radius: float | None = None) -> Shape:
     """Shape of a prim.
 
     Args:
         prim: A prim of one of `KINDS`.
         frame: Units and axes.
-        inner_radius: Radius of the bore of a cylinder [m].
+        inner_radius: Radius of the bore of a cylinder [m], None if it is not given.
 
     Returns:
         The shape, in metres and in the scene's coordinates.
@@ -68,8 +44,8 @@ def read_shape(prim: Usd.Prim, frame: Frame, inner_radius: float = 0.0) -> Shape
         raise InputError(path, "xformOpOrder", "the transform flattens the shape: no scale may be zero")
     try:
         if kind == "Cylinder":
-            return _cylinder(UsdGeom.Cylinder(prim), frame, placement, inner_radius)
-        if inner_radius > 0:
+            return _cylinder(UsdGeom.Cylinder(prim), frame, placement, inner_radius or 0.0)
+        if inner_radius is not None:
             raise InputError(path, "mps:innerRadius", f"is of a Cylinder, not of a {kind}")
         return _READERS[kind](prim, frame, placement)
     except InputError as error:
@@ -153,7 +129,7 @@ def _points(prim: Usd.Prim, frame: Frame, placement: np.ndarray) -> Shape:
 
 def _array(attribute: Usd.Attribute, kind: str) -> np.ndarray:
     """An array, empty if it is not given."""
-    return typed(attribute, kind) if attribute.HasAuthoredValue() else np.zeros(0)
+    return typed(attribute, kind) if is_given(attribute.GetPrim(), attribute.GetName()) else np.zeros(0)
 
 
 def _rigid(axes: np.ndarray, placement: np.ndarray) -> tuple[tuple[float, ...], np.ndarray | None]:

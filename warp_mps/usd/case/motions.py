@@ -22,6 +22,10 @@ def velocity_field(values: Values) -> VelocityField | None:
     """The initial velocity that varies along a body, None if it has none."""
     fields = values.fields("velocity_field")
     if "kind" not in fields:
+        if fields:
+            raise InputError(
+                values.path, f"mps:velocityField:{next(iter(fields))}", "has no effect without mps:velocityField"
+            )
         return None
     for part in VELOCITY_FIELD_PARTS[fields["kind"]]:
         if part not in fields:

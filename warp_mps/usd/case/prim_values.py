@@ -7,11 +7,12 @@ from collections.abc import Collection, Mapping
 from typing import Any, TypeVar
 
 import numpy as np
-from pxr import Tf, Usd, Vt
+from pxr import Sdf, Tf, Usd, Vt
 
 from warp_mps.errors import InputError
 from warp_mps.scene.validation.rules import LARGEST
 from warp_mps.usd.case.attributes import ROLE, TABLE
+from warp_mps.usd.case.authored import check_kind, constant, is_given
 from warp_mps.usd.case.frame import Frame
 from warp_mps.usd.case.layers import reason_of
 from warp_mps.usd.case.stage_attribute import StageAttribute
@@ -36,13 +37,16 @@ class Values:
         self.path = str(prim.GetPath())
 
     def check_names(self) -> None:
-        """Refuse attributes that are not in the table, which are most likely misspelt.
+        """Refuse attributes that are not in the table, most likely misspelt, and relationships in place of attributes.
 
         Raises:
             InputError: There is one.
         """
         for found in self.prim.GetAuthoredPropertyNames():
-            if found.startswith("mps:") and found != ROLE and found not in self.table:
+            if found in self.table:
+                relation = self.table[found].kind == "rel"
+                check_kind(self.prim, found, Sdf.RelationshipSpec if relation else Sdf.AttributeSpec)
+            elif found.startswith("mps:") and found != ROLE:
                 others = [role for role, table in TABLE.items() if found in table]
                 near = difflib.get_close_matches(found, self.table, n=1)
                 hint = f"did you mean {near[0]}?" if near else "known are " + ", ".join(self.table)
@@ -51,7 +55,7 @@ class Values:
 
     def given(self, name: str) -> bool:
         """Whether the prim gives a value of its own."""
-        return self.prim.HasAttribute(name) and self.prim.GetAttribute(name).HasAuthoredValue()
+        return is_given(self.prim, name)
 
     def fields(self, record: str = "", *, without: Collection[str] = ()) -> dict[str, Any]:
         """The fields of the scene's class that the prim gives, by their names.
@@ -169,8 +173,7 @@ def related_prims(prim: Usd.Prim, name: str) -> list[Usd.Prim]:
             or payload brings in: USD drops such a target.
     """
     path = str(prim.GetPath())
-    if prim.HasAttribute(name):
-        raise InputError(path, name, "must be a relationship (rel)")
+    check_kind(prim, name, Sdf.RelationshipSpec)
     if not prim.HasRelationship(name):
         return []
     relationship = prim.GetRelationship(name)
@@ -194,11 +197,13 @@ def typed(attribute: Usd.Attribute, kind: str) -> Any:
     """Value of an attribute as plain numbers and texts, arrays as floats.
 
     Raises:
-        InputError: It is of another type, not finite, or absurdly large.
+        InputError: It varies in time, is of another type, not finite, or absurdly large.
     """
-    path, name, value = str(attribute.GetPrim().GetPath()), attribute.GetName(), attribute.Get()
-    if value is None or attribute.GetNumTimeSamples():
-        raise InputError(path, name, "must have a value that does not vary in time")
+    path, name = str(attribute.GetPrim().GetPath()), attribute.GetName()
+    check_kind(attribute.GetPrim(), name, Sdf.AttributeSpec)
+    value = constant(attribute)
+    if value is None:
+        raise InputError(path, name, "must have a value")
     plain = _plain(value, kind)
     if plain is None:
         # as it is written: of a prim that applies the schema, the attribute itself has the type of the schema

@@ -29,8 +29,9 @@ from warp_mps.scene import (
 from warp_mps.scene.components import component_names
 from warp_mps.scene.filling_level import below_level
 from warp_mps.shapes import Shape, particle_count
-from warp_mps.usd.case import motions, stage_contents
+from warp_mps.usd.case import motions, roles, stage_contents
 from warp_mps.usd.case.attributes import ROLE
+from warp_mps.usd.case.authored import constant, is_given
 from warp_mps.usd.case.composites import read_region
 from warp_mps.usd.case.geometry import has_shape
 from warp_mps.usd.case.layers import reason_of
@@ -86,12 +87,12 @@ class _Reader:
         self.stage = stage
         prims = list(stage.Traverse(Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)))
         self.physics = stage_contents.physics_scene(prims, path)
-        self.parts = stage_contents.by_role(prims)
+        self.parts = roles.by_role(prims)
         if not self.parts["body"] and not self.parts["fluid"]:
             raise InputError(path, "", f'needs a body or a fluid: no prim has {ROLE} = "body" or "fluid"')
-        self.names = {role: stage_contents.unique_names(prims) for role, prims in self.parts.items()}
+        self.names = {role: roles.unique_names(prims) for role, prims in self.parts.items()}
         # bodies, walls and fluids stand side by side in results
-        filled = stage_contents.unique_names([prim for role in FILLED for prim in self.parts[role]])
+        filled = roles.unique_names([prim for role in FILLED for prim in self.parts[role]])
         for role in FILLED:
             self.names[role] = {path: filled[path] for path in self.names[role]}
         self.frame = stage_contents.frame(stage, self.physics)
@@ -189,8 +190,7 @@ class _Reader:
     def _own_density(self, prim: Usd.Prim) -> dict[str, Any]:
         """Density that the body gives itself; in UsdPhysics zero means that it does not."""
         values = Values(prim, "material", self.frame)
-        mass = prim.GetAttribute("physics:mass")
-        if mass and mass.HasAuthoredValue() and mass.Get():
+        if is_given(prim, "physics:mass") and constant(prim.GetAttribute("physics:mass")):
             raise InputError(values.path, "physics:mass", "is not read: give the density, physics:density, instead")
         density = values.get("physics:density") if values.given("physics:density") else 0.0
         return {"density": density} if density else {}

@@ -1,4 +1,4 @@
-"""Contents of a stage as a whole: prims by role and their names, units and axes, gravity."""
+"""Contents of a stage as a whole: its PhysicsScene prim, units and axes, gravity."""
 
 from __future__ import annotations
 
@@ -8,10 +8,11 @@ from pxr import Usd, UsdGeom, UsdPhysics
 from warp_mps.errors import InputError
 from warp_mps.scene import StageFrame
 from warp_mps.scene.choices import UP_AXES, PlaneName, StageAxesName
-from warp_mps.usd.case.attributes import ROLE, ROLES, TABLE
+from warp_mps.usd.case.attributes import TABLE
+from warp_mps.usd.case.authored import constant
 from warp_mps.usd.case.frame import Frame
-from warp_mps.usd.case.geometry import world_matrix
 from warp_mps.usd.case.prim_values import Values, shortest, typed
+from warp_mps.usd.case.transforms import world_matrix
 
 EARTH_GRAVITY = 9.81
 # of a unit of length [m] or mass [kg]: from below an atom's to beyond a galaxy's
@@ -26,33 +27,6 @@ def physics_scene(prims: list[Usd.Prim], path: str) -> Usd.Prim:
         reason = f"there is more than one PhysicsScene prim: {names}" if found else "there is no PhysicsScene prim"
         raise InputError(path, "", reason)
     return found[0]
-
-
-def by_role(prims: list[Usd.Prim]) -> dict[str, list[Usd.Prim]]:
-    """The prims of each role."""
-    parts: dict[str, list[Usd.Prim]] = {role: [] for role in ROLES}
-    for prim in prims:
-        attribute = prim.GetAttribute(ROLE)
-        if not attribute or not attribute.HasAuthoredValue():
-            continue
-        role = attribute.Get()
-        if role not in parts:
-            raise InputError(str(prim.GetPath()), ROLE, f"is {role!r}, must be one of: {', '.join(ROLES)}")
-        parts[role].append(prim)
-    return parts
-
-
-def unique_names(prims: list[Usd.Prim]) -> dict[str, str]:
-    """Name of each path: the prim's, or where two are equal, the whole path's."""
-    short = [prim.GetName() for prim in prims]
-    names: dict[str, str] = {}
-    for prim in prims:
-        path = str(prim.GetPath())
-        name = prim.GetName() if short.count(prim.GetName()) == 1 else path.strip("/").replace("/", "_")
-        while name in names.values() or (name != prim.GetName() and name in short):
-            name += "_"
-        names[path] = name
-    return names
 
 
 def frame(stage: Usd.Stage, physics: Usd.Prim) -> Frame:
@@ -82,7 +56,7 @@ def gravity(physics: Usd.Prim, frame: Frame) -> tuple[float, ...]:
     row, path = TABLE["scene"]["physics:gravityMagnitude"], str(physics.GetPath())
     given = UsdPhysics.Scene(physics).GetGravityMagnitudeAttr()
     # the default is minus infinity
-    magnitude = typed(given, row.kind) if given.HasAuthoredValue() and given.Get() != -np.inf else -np.inf
+    magnitude = typed(given, row.kind) if constant(given) != -np.inf else -np.inf
     magnitude = EARTH_GRAVITY / frame.stage.meters_per_unit if magnitude < 0 else magnitude
     attribute = UsdPhysics.Scene(physics).GetGravityDirectionAttr()
     direction = np.array([shortest(part) for part in typed(attribute, TABLE["scene"][attribute.GetName()].kind)])
