@@ -93,3 +93,18 @@ def test_impossible_shapes_are_refused(make, attribute: str) -> None:
     with pytest.raises(InputError) as caught:
         make()
     assert caught.value.attribute == attribute
+
+
+@pytest.mark.parametrize("huge", [10**400, -(10**6000)], ids=["400", "6000"])
+def test_whole_numbers_too_large_for_a_float_are_refused(huge: int) -> None:
+    for make in (
+        lambda: Box((huge, 1)),
+        lambda: Sphere(huge),
+        lambda: Cylinder(1.0, huge),
+        lambda: Mesh([[huge, 0, 0]], [[0, 0, 0]]),
+        lambda: Box((1, 1)).moved((huge, 0)),
+        lambda: Box((1, 1)).turned(huge),
+    ):
+        with pytest.raises(InputError) as caught:
+            make()
+        assert len(str(caught.value)) < 1000

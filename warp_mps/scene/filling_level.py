@@ -12,7 +12,7 @@ from warp_mps.scene.bodies import Fluid, Wall
 from warp_mps.scene.materials import Liquid
 from warp_mps.scene.validation.rules import SAME, place
 from warp_mps.shapes import Box, Shape, contains
-from warp_mps.shapes.numbers import is_number
+from warp_mps.shapes.numbers import is_number, shown
 
 REMEDY = "give the region of the fluid as a shape: inside=Box.from_corners(low, high), or inside=Mesh.from_file(path)"
 
@@ -58,7 +58,7 @@ def fill_to(
             raise InputError(where, "spacing", "must be given for a region that is a shape")
         spacing = walls[0].spacing
     if not (is_number(spacing) and 0.0 < spacing < np.inf):
-        raise InputError(where, "spacing", f"is {spacing!r}, must be finite and above 0")
+        raise InputError(where, "spacing", f"is {shown(spacing)}, must be finite and above 0")
     vertical = "xyz".index(up)
     if isinstance(inside, Shape):
         shape = below_level(inside, float(level), vertical, where)

@@ -12,7 +12,7 @@ from warp_mps.scene.bodies import Wall
 from warp_mps.scene.choices import WallSlipName
 from warp_mps.scene.motions import HarmonicMotion, HarmonicRotation, TableMotion, TableRotation
 from warp_mps.shapes import Box
-from warp_mps.shapes.numbers import as_array, is_number
+from warp_mps.shapes.numbers import as_array, is_number, shown
 
 SideName = Literal["left", "right", "bottom", "top", "front", "back"]
 # the sides at the low and the high end of the axes x, y, z, by the axis that points up, seen with x to the right
@@ -109,13 +109,15 @@ def _corners(low: Sequence[float], high: Sequence[float], where: str) -> tuple[n
     lower, upper = as_array(low), as_array(high)
     good = lower.shape == upper.shape and lower.shape in ((2,), (3,))
     if not good or not np.isfinite([lower, upper]).all() or not (upper > lower).all():
-        reason = f"are {low!r} and {high!r}, must be 2 or 3 finite numbers each, high above low along every axis"
+        reason = (
+            f"are {shown(low)} and {shown(high)}, must be 2 or 3 finite numbers each, high above low along every axis"
+        )
         raise InputError(where, "low, high", reason)
     return lower, upper
 
 
 def _check_numbers(spacing: float, layers: int, where: str) -> None:
     if not (is_number(spacing) and 0.0 < spacing < np.inf):
-        raise InputError(where, "spacing", f"is {spacing!r}, must be finite and above 0")
+        raise InputError(where, "spacing", f"is {shown(spacing)}, must be finite and above 0")
     if not (isinstance(layers, int | np.integer) and layers >= 1):
-        raise InputError(where, "layers", f"is {layers!r}, must be a whole number of at least 1")
+        raise InputError(where, "layers", f"is {shown(layers)}, must be a whole number of at least 1")

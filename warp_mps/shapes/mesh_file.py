@@ -9,7 +9,7 @@ import numpy as np
 
 from warp_mps.errors import InputError
 from warp_mps.shapes.closed_surface import open_edge
-from warp_mps.shapes.numbers import is_number
+from warp_mps.shapes.numbers import is_number, shown
 
 KINDS = (".stl", ".obj", ".ply")
 # a mesh is flat if its smallest principal extent is below this share of the largest
@@ -33,7 +33,7 @@ def read_mesh(path: Path, scale: float) -> tuple[np.ndarray, np.ndarray]:
     if path.suffix.lower() not in KINDS:
         raise InputError(where, "", f"is not a mesh file that can be read: its name must end in {', '.join(KINDS)}")
     if not (is_number(scale) and 0.0 < scale < np.inf):
-        raise InputError(where, "scale", f"must be finite and above 0, not {scale!r}")
+        raise InputError(where, "scale", f"must be finite and above 0, not {shown(scale)}")
     if not path.is_file():
         raise InputError(where, "", "there is no such file")
     try:

@@ -8,12 +8,15 @@ from warp_mps.errors import InputError
 
 
 def is_number(value: object) -> bool:
-    """Whether a value is a single number of any type; a text is not, even if it reads as a number."""
+    """Whether a value is a single number of any type.
+
+    A text is not, even if it reads as a number, nor is a whole number that is too large for a float.
+    """
     if isinstance(value, str | bytes):
         return False
     try:
         float(value)  # type: ignore[arg-type]
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         return False
     return True
 
@@ -22,8 +25,16 @@ def as_array(values: object) -> np.ndarray:
     """Numbers as an array; an empty array of anything else."""
     try:
         return np.asarray(values, float)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         return np.zeros(0)
+
+
+def shown(value: object) -> str:
+    """A value as it is written, or its type where Python does not write it: a whole number of thousands of digits."""
+    try:
+        return repr(value)
+    except ValueError:
+        return f"{type(value).__name__} of an excessive size"
 
 
 def as_vector(
@@ -44,6 +55,6 @@ def as_vector(
     given = as_array(values)
     good = np.isfinite(given) if finite else ~np.isnan(given)
     if given.shape not in ((2,), (3,)) or not good.all():
-        raise InputError(where, name, f"must be 2 or 3 {'finite ' if finite else ''}numbers, not {values!r}")
+        raise InputError(where, name, f"must be 2 or 3 {'finite ' if finite else ''}numbers, not {shown(values)}")
     x, y, *z = given.tolist()
     return x, y, z[0] if z else depth

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Literal, get_args
 import numpy as np
 
 from warp_mps.errors import InputError
-from warp_mps.shapes.numbers import as_array, as_vector, is_number
+from warp_mps.shapes.numbers import as_array, as_vector, is_number, shown
 from warp_mps.shapes.shape import Shape
 
 if TYPE_CHECKING:
@@ -89,9 +89,11 @@ class Box(_Implicit):
         lower, upper = as_array(low), as_array(high)
         for name, corner, given in (("low", lower, low), ("high", upper, high)):
             if corner.shape not in ((2,), (3,)) or not np.isfinite(corner).all():
-                raise InputError(cls.__name__, name, f"must be 2 or 3 finite numbers, not {given!r}")
+                raise InputError(cls.__name__, name, f"must be 2 or 3 finite numbers, not {shown(given)}")
         if lower.shape != upper.shape or not (upper > lower).all():
-            reason = f"is {high!r}, must have as many numbers as low, {low!r}, and lie above it along every axis"
+            reason = (
+                f"is {shown(high)}, must have as many numbers as low, {shown(low)}, and lie above it along every axis"
+            )
             raise InputError(cls.__name__, "high", reason)
         return cls(tuple((upper - lower).tolist()), tuple((0.5 * (lower + upper)).tolist()))
 

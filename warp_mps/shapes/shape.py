@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 from warp_mps.errors import InputError
-from warp_mps.shapes.numbers import as_array, as_vector, is_number
+from warp_mps.shapes.numbers import as_array, as_vector, is_number, shown
 
 if TYPE_CHECKING:
     from typing_extensions import Self
@@ -91,11 +91,11 @@ class Shape:
             InputError: The angle is not finite, or the axis has no direction.
         """
         if not (is_number(angle) and np.isfinite(float(angle))):
-            raise InputError(self._kind, "angle", f"must be a finite number, not {angle!r}")
+            raise InputError(self._kind, "angle", f"must be a finite number, not {shown(angle)}")
         direction = AXES.get(axis, np.zeros(3)) if isinstance(axis, str) else as_array(axis)
         length = np.linalg.norm(direction)
         if direction.shape != (3,) or not np.isfinite(length) or length == 0.0:
-            raise InputError(self._kind, "axis", f"must be x, y, z or 3 numbers that are not all 0, not {axis!r}")
+            raise InputError(self._kind, "axis", f"must be x, y, z or 3 numbers that are not all 0, not {shown(axis)}")
         pivot = np.array(as_vector(about, self._kind, "about", finite=True))
         matrix = np.eye(4)
         matrix[:3, :3] = _rotation(direction / length, float(angle))
@@ -119,7 +119,7 @@ class Shape:
 
     def _positive(self, name: str, value: float) -> None:
         if not (is_number(value) and value > 0):
-            raise InputError(self._kind, name, f"must be positive, not {value!r}")
+            raise InputError(self._kind, name, f"must be positive, not {shown(value)}")
 
 
 @dataclass(frozen=True, eq=False)

@@ -185,6 +185,9 @@ def test_files_that_are_not_there_or_of_another_kind(tmp_path: Path, capfd: pyte
     ("target", "text", "where", "reason"),
     [
         ("/Nobody.mps:spacing", "1", "/Nobody", "no such prim"),
+        ("/Beam.", "3", "/Beam", "'/Beam.' is not /Prim.attribute"),
+        ("/Beam", "3", "/Beam", "'/Beam' is not /Prim.attribute"),
+        ("/Scene.mps:dimension", "9" * 400, "/Scene", "not of type int"),
         ("Beam", "1", "Beam", "no such prim"),
         ("/Beam.mps:spaceing", "1", "/Beam", "no such attribute"),
         ("/Beam.mps:spacing", "wide", "/Beam", "'wide' is not of type double"),

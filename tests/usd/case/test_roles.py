@@ -39,6 +39,33 @@ def test_a_role_that_is_blocked_is_off(tmp_path: Path) -> None:
     assert len(read_stage(write(tmp_path, Wall=WALL)).walls) == 1
 
 
+def test_an_asset_referenced_twice_gives_two_of_each_name(tmp_path: Path) -> None:
+    asset = """#usda 1.0
+( defaultPrim = "Gauge" )
+def Xform "Gauge"
+{
+    def Xform "Tip"
+    {
+        token mps:role = "probe"
+    }
+    def Scope "M" ( displayName = "height" )
+    {
+        token mps:role = "measurement"
+        token mps:measure = "final"
+        rel mps:probe = </Gauge/Tip>
+    }
+}
+"""
+    (tmp_path / "gauge.usda").write_text(asset)
+    twice = "".join(f'def "{name}" ( references = @gauge.usda@ ) {{}}\n' for name in "AB")
+    scene = read_stage(write(tmp_path, text=twice))
+    assert [probe.name for probe in scene.probes] == ["A_Tip", "B_Tip"]
+    assert [(item.name, item.probe) for item in scene.measurements] == [
+        ("height (/A/M)", "A_Tip"),
+        ("height (/B/M)", "B_Tip"),
+    ]
+
+
 def test_materials_and_joined_shapes_need_no_role(tmp_path: Path) -> None:
     spare = ("Material", "double mps:viscosity = 1", "double mps:youngsModulus = 1")
     joined = ("Cylinder", "double mps:innerRadius = 0.5")

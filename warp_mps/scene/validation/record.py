@@ -32,7 +32,7 @@ def check_record(record: Any) -> None:
 def place_of(record: Any) -> str:
     """How an error names a record: its path, its kind and name, or its kind."""
     path = getattr(record, "path", "")
-    if path and isinstance(path, str):
+    if isinstance(path, str) and path:
         return path
     words = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", type(record).__name__).lower()
     return f"{words} {record.name!r}" if hasattr(record, "name") else words

@@ -86,6 +86,7 @@ def _unique(scene: Scene) -> None:
         "load": scene.loads,
         "body force": scene.body_forces,
         "probe": scene.probes,
+        "measurement": scene.measurements,
     }
     for kind, items in groups.items():
         seen: set[str] = set()

@@ -59,7 +59,9 @@ def _fits(value: Any, hint: Any) -> bool:
         return isinstance(value, tuple | list) and _fit(value, inner)
     if origin is Sequence or hint is np.ndarray or origin is np.ndarray:
         return _are_numbers(value)
-    return is_number(value) if hint is float else isinstance(value, int | np.integer if hint is int else hint)
+    if hint in (float, int):
+        return is_number(value) and (hint is float or isinstance(value, int | np.integer))
+    return isinstance(value, hint)
 
 
 def _fit(values: Sequence[Any], hints: Sequence[Any]) -> bool:
@@ -83,12 +85,14 @@ def _wrong_word(value: Any, hint: Any) -> tuple[Any, tuple[str, ...]]:
 def _are_numbers(value: Any) -> bool:
     try:
         return np.ndim(np.asarray(value, float)) > 0 and not isinstance(value, str)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         return False
 
 
 def _shown(value: Any) -> str:
     """A value, or its type and the types of its items where it is long."""
+    if isinstance(value, int) and not is_number(value):
+        return "a whole number too large for a float"
     if len(repr(value)) < 40:
         return repr(value)
     kinds = {type(item).__name__: None for item in value} if isinstance(value, tuple | list) else {}

@@ -92,6 +92,8 @@ def _override(stage: Usd.Stage, target: str, text: str) -> None:
     prim = stage.GetPrimAtPath(prim_path) if valid else None
     if not prim or prim.IsPseudoRoot():
         raise InputError(prim_path, name, "cannot be set: there is no such prim in the stage")
+    if not Sdf.Path.IsValidNamespacedIdentifier(name):
+        raise InputError(prim_path, name, f"cannot be set: {target!r} is not /Prim.attribute")
     kind = _kind(prim, name)
     if kind == "rel":
         _retarget(prim, name, text)

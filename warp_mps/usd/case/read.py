@@ -91,6 +91,7 @@ class _Reader:
         if not self.parts["body"] and not self.parts["fluid"]:
             raise InputError(path, "", f'needs a body or a fluid: no prim has {ROLE} = "body" or "fluid"')
         self.names = {role: roles.unique_names(prims) for role, prims in self.parts.items()}
+        self.names["measurement"] = roles.measurement_names(self.parts["measurement"])
         # bodies, walls and fluids stand side by side in results
         filled = roles.unique_names([prim for role in FILLED for prim in self.parts[role]])
         for role in FILLED:
@@ -231,7 +232,7 @@ class _Reader:
         values = self._values(prim, "measurement")
         fields = values.fields()
         return Measurement(
-            name=prim.GetDisplayName() or prim.GetName(),
+            name=self._name(prim, "measurement"),
             component=self._component(values, known[fields["probe"]].quantity),
             path=values.path,
             **fields,

@@ -47,6 +47,15 @@ def unique_names(prims: list[Usd.Prim]) -> dict[str, str]:
     return names
 
 
+def measurement_names(prims: list[Usd.Prim]) -> dict[str, str]:
+    """Name of each path: the prim's display name or else its name, with the path where two are equal."""
+    shown = [prim.GetDisplayName() or prim.GetName() for prim in prims]
+    paths = [str(prim.GetPath()) for prim in prims]
+    return {
+        path: name if shown.count(name) == 1 else f"{name} ({path})" for path, name in zip(paths, shown, strict=True)
+    }
+
+
 def _check_copies(prims: list[Usd.Prim], parts: list[Usd.Prim]) -> None:
     """Refuse prims with a role that a PointInstancer draws, many times and elsewhere."""
     for prim in prims:
@@ -64,7 +73,10 @@ def _check_copies(prims: list[Usd.Prim], parts: list[Usd.Prim]) -> None:
 def _check_without_role(prim: Usd.Prim) -> None:
     """Refuse what would have no effect on a prim without a role: most likely the role is missing or misspelt."""
     path, names = str(prim.GetPath()), prim.GetAuthoredPropertyNames()
-    schemas = [name for name in prim.GetAppliedSchemas() if name.startswith("Mps") and name not in _SCHEMAS]
+    # as they are written: USD itself leaves out those that it does not know
+    applied = prim.GetMetadata("apiSchemas")
+    written = applied.GetAddedOrExplicitItems() if applied else []
+    schemas = [name for name in written if name.startswith("Mps") and name not in _SCHEMAS]
     # a role that a stronger layer blocks is switched off on purpose
     if ROLE in names:
         return
