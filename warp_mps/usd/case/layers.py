@@ -18,6 +18,7 @@ import numpy as np
 from pxr import Ar, Sdf, Tf
 
 from warp_mps.errors import InputError
+from warp_mps.usd.case.diagnostics import reason_of
 from warp_mps.usd.case.isolated_open import open_isolated
 
 # nested brackets; USD's reader fails beyond some 1e4
@@ -173,10 +174,3 @@ def _depth(code: bytes) -> int:
     steps = np.where(np.isin(brackets, np.frombuffer(b"([{", np.uint8)), 1, -1)
     heights = np.cumsum(np.append(0, steps))
     return int((heights - np.minimum.accumulate(heights)).max())
-
-
-def reason_of(error: Exception) -> str:
-    """The message among the frames that USD reports, with the line of the file for its path."""
-    text = " ".join(str(error).split()).partition(" : ")[2].strip("' ")
-    text = re.sub(r"^\S*:(\d+):\d+: ", r"line \1: ", text)
-    return text or "it is damaged"

@@ -15,8 +15,9 @@ from warp_mps.core.native_output import native_errors
 from warp_mps.errors import InputError
 from warp_mps.usd import register_schema
 from warp_mps.usd.case.attributes import ROLE, TABLE
+from warp_mps.usd.case.diagnostics import composition_error, reason_of
 from warp_mps.usd.case.isolated_open import BEYOND, BEYOND_MEANS, damaged
-from warp_mps.usd.case.layers import check_layers, reason_of
+from warp_mps.usd.case.layers import check_layers
 
 # The attributes that belong to any role; their types are those of the table, or this one.
 _EXTRA_TYPES = {ROLE: "token"}
@@ -79,7 +80,7 @@ def open_stage(
             raise InputError(str(path), "", f"is not a USD stage that can be read: {reason_of(error)}") from None
         errors = stage.GetCompositionErrors()
         if errors:
-            raise InputError(str(path), "", " ".join(str(errors[0]).split()))
+            raise InputError(str(path), "", composition_error(errors[0]))
         with Usd.EditContext(stage, stage.GetSessionLayer()):
             for target, text in (overrides or {}).items():
                 _override(stage, target, text)

@@ -13,8 +13,8 @@ from warp_mps.errors import InputError
 from warp_mps.scene.validation.rules import LARGEST
 from warp_mps.usd.case.attributes import ROLE, TABLE
 from warp_mps.usd.case.authored import check_kind, constant, is_given
+from warp_mps.usd.case.diagnostics import reason_of
 from warp_mps.usd.case.frame import Frame
-from warp_mps.usd.case.layers import reason_of
 from warp_mps.usd.case.stage_attribute import StageAttribute
 
 Kind = TypeVar("Kind")

@@ -33,8 +33,8 @@ from warp_mps.usd.case import motions, roles, stage_contents
 from warp_mps.usd.case.attributes import ROLE
 from warp_mps.usd.case.authored import constant, is_given
 from warp_mps.usd.case.composites import read_region
+from warp_mps.usd.case.diagnostics import reason_of
 from warp_mps.usd.case.geometry import has_shape
-from warp_mps.usd.case.layers import reason_of
 from warp_mps.usd.case.open_stage import open_stage, quiet
 from warp_mps.usd.case.prim_values import Values
 from warp_mps.usd.case.stage_errors import stage_error

@@ -8,7 +8,7 @@ from pxr import Sdf, Tf, Usd, UsdGeom, Vt
 from warp_mps.errors import InputError
 from warp_mps.scene.validation.rules import LARGEST
 from warp_mps.usd.case.authored import ANY_TIME, check_kind, constant
-from warp_mps.usd.case.layers import reason_of
+from warp_mps.usd.case.diagnostics import reason_of
 
 ORDER, RESET = "xformOpOrder", "!resetXformStack!"
 INVERSE = "!invert!"
