@@ -41,8 +41,9 @@ class SolidState:
             self._lagged.assign(arrays)
         if parts.walls:
             parts.walls.assign(arrays, parts.boundary.steps)
-        # the first pass of the model belongs to the step, but readings at this moment need its result
-        parts.model.passes[0][1](parts.state, 0, parts.count)
+        # the stresses belong to the step, but readings at this moment need them
+        for _, launch in parts.model.passes[:-1]:
+            launch(parts.state, 0, parts.count)
         if parts.contacts:
             parts.contacts.assign(arrays)
             parts.contacts.initialize(parts.state)

@@ -4,6 +4,9 @@ For small displacements psi is that of linear elasticity whatever the law, and W
 displacements:
 
     W = sum_i V_i (mu eps_i : eps_i + lambda/2 tr(eps_i)^2) + sum_ij 1/2 kappa_i omega_ij |u_ij - H_i X_ij|^2
+
+Beyond 4 mu, lambda acts on the mean of tr(eps) over the neighbours of the same material, unless it is plane stress, with
+the weights w scaled to a symmetric matrix whose rows add up to 1; and the control is weaker.
 """
 
 from __future__ import annotations
@@ -32,18 +35,40 @@ def linear_hamiltonian(scene: Scene, particles: Particles, held: np.ndarray | No
     differences = _differences(i, j, particles.count, d)
     gradient = _gradients(differences, i, bond, omega, particles.count)
     trace = sum(gradient[a][a] for a in range(d))
-    stiffness = trace.T @ sp.diags(volume * lame) @ trace
+    beyond = np.where(scene.dimension == 2 and scene.plane == "stress", 0.0, np.maximum(lame - 4.0 * mu, 0.0))
+    same = (lame[i] == lame[j]) & (mu[i] == mu[j])
+    mean = sp.csr_matrix((w * same, (i, j)), (particles.count, particles.count))
+    averaged = balanced(mean) @ trace
+    stiffness = trace.T @ sp.diags(volume * (lame - beyond)) @ trace
+    stiffness = stiffness + averaged.T @ sp.diags(volume * beyond) @ averaged
     for a in range(d):
         for b in range(d):
             strain = 0.5 * (gradient[a][b] + gradient[b][a])
             stiffness = stiffness + strain.T @ sp.diags(2 * mu * volume) @ strain
-    kappa = scene.elasticity.control * volume * 2 * mu * d / np.bincount(i, w, particles.count)
+    control = scene.elasticity.control * (1.0 - 0.22 * (beyond / np.where(beyond > 0.0, lame, 1.0)) ** 2)
+    kappa = control * volume * 2 * mu * d / np.bincount(i, w, particles.count)
     for a in range(d):
         rest = differences[a] - sum(sp.diags(bond[:, b]) @ gradient[a][b][i] for b in range(d))
         stiffness = stiffness + rest.T @ sp.diags(kappa[i] * omega) @ rest
     masses = np.repeat(particles.masses, d)
     free = np.arange(len(masses)) if held is None else np.flatnonzero(~held.ravel())
     return LinearSystem(stiffness.tocsr(), masses, free)
+
+
+def balanced(weights: sp.csr_matrix) -> sp.csr_matrix:
+    """The symmetric matrix r_i w_ij r_j whose rows add up to 1, by the iterations of Sinkhorn and Knopp.
+
+    What the rows lack of 1 after the iterations, also where there are no neighbours, is on the diagonal.
+    """
+    r = np.ones(weights.shape[0])
+    for _ in range(20):
+        sums = r * (weights @ r)
+        r = r / np.sqrt(np.where(sums > 0.0, sums, 1.0))
+    sums = r * (weights @ r)
+    near = np.maximum(sums, np.asarray((weights != 0).multiply(sums[None]).max(axis=1).todense()).ravel())
+    r = r / np.sqrt(np.maximum(near, 1.0))
+    scaled = sp.diags(r) @ weights @ sp.diags(r)
+    return scaled + sp.diags(1.0 - np.asarray(scaled.sum(axis=1)).ravel())
 
 
 def _differences(i: np.ndarray, j: np.ndarray, n: int, d: int) -> list[sp.csr_matrix]:

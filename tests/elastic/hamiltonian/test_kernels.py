@@ -20,12 +20,15 @@ PLANES = [(2, "strain"), (2, "stress"), (3, "strain")]
 RADII = [1.5, 2.1]
 
 
-def irregular(dimension: int, *, plane: str = "strain", law: str = LAWS[0], radius: float = 1.5) -> Scene:
-    """Two bonded bodies of different materials, their particles off the lattice."""
+def irregular(
+    dimension: int, *, plane: str = "strain", law: str = LAWS[0], radius: float = 1.5, nu: float | None = None
+) -> Scene:
+    """Two bonded bodies of different materials, their particles off the lattice; `nu` is of the left one."""
     lines = [0.01 * np.arange(count) for count in (3, 3, 2)[:dimension]]
     cells = np.stack(np.meshgrid(*lines, indexing="ij"), axis=-1).reshape(-1, dimension)
     jitter = 0.001 * random(len(cells), dimension, seed=7)
     soft, hard = replace(RUBBER, law=law), replace(STEEL, law=law)
+    soft = replace(soft, poissons_ratio=soft.poissons_ratio if nu is None else nu)
     left = block(dimension, name="left", shape=Points(cells + jitter), material=soft)
     shifted = cells - jitter + 0.03 * np.eye(dimension)[0]
     right = block(dimension, name="right", shape=Points(shifted), material=hard, bonded_to=("left",))

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import warp as wp
 
+from tests.elastic.hamiltonian.test_control import compressed
 from tests.elastic.hamiltonian.test_kernels import PLANES, irregular, strained_state
 from tests.elastic.states import Strained, strain
 from tests.scenes import random
@@ -25,7 +26,7 @@ def tangent(held: Strained, *, inertia: float = 0.0, fixed: Any = None, precisio
     mass = wp.array(held.particles.masses, dtype=numbers.real, device="cpu")
     factor = wp.array([inertia], dtype=wp.float64, device="cpu")
     fixed = np.zeros((n, d), bool) if fixed is None else fixed
-    return Tangent(held.model, mass, fixed, factor, types=numbers, device="cpu")
+    return Tangent(held.model, held.state.u, mass, fixed, factor, types=numbers, device="cpu")
 
 
 def dense(operator: Tangent, size: int) -> np.ndarray:
@@ -37,26 +38,33 @@ def dense(operator: Tangent, size: int) -> np.ndarray:
     return np.stack(columns, axis=1)
 
 
-@every_law
-@every_plane
-def test_product_is_the_change_of_the_forces(dimension: int, plane: str, law: str) -> None:
-    held = strain(irregular(dimension, plane=plane, law=law))
-    u = strained_state(held)
-    matrix = dense(tangent(held.put(u)), u.size)
-    change, step = np.empty_like(matrix), 1e-7
-    for column, direction in enumerate(np.eye(u.size)):
-        ends = [held.put(u + sign * step * direction.reshape(u.shape)).forces for sign in (1.0, -1.0)]
-        change[:, column] = (ends[1] - ends[0]).ravel() / (2 * step)
-    np.testing.assert_allclose(matrix, change, atol=1e-8 * np.abs(matrix).max())
+def states(held: Strained) -> list[np.ndarray]:
+    """A state with random strains, and one that is compressed to where the control grows."""
+    return [strained_state(held), compressed(held)]
 
 
+@pytest.mark.parametrize("nu", [0.3, 0.49])
 @every_law
 @every_plane
-def test_tangent_is_symmetric(dimension: int, plane: str, law: str) -> None:
-    held = strain(irregular(dimension, plane=plane, law=law))
-    u = strained_state(held)
-    matrix = dense(tangent(held.put(u), inertia=3.0e5), u.size)
-    np.testing.assert_allclose(matrix, matrix.T, atol=1e-14 * np.abs(matrix).max())
+def test_product_is_the_change_of_the_forces(dimension: int, plane: str, law: str, nu: float) -> None:
+    held = strain(irregular(dimension, plane=plane, law=law, nu=nu))
+    for u in states(held):
+        matrix = dense(tangent(held.put(u)), u.size)
+        change, step = np.empty_like(matrix), 1e-7
+        for column, direction in enumerate(np.eye(u.size)):
+            ends = [held.put(u + sign * step * direction.reshape(u.shape)).forces for sign in (1.0, -1.0)]
+            change[:, column] = (ends[1] - ends[0]).ravel() / (2 * step)
+        np.testing.assert_allclose(matrix, change, atol=2e-8 * np.abs(matrix).max())
+
+
+@pytest.mark.parametrize("nu", [0.3, 0.49])
+@every_law
+@every_plane
+def test_tangent_is_symmetric(dimension: int, plane: str, law: str, nu: float) -> None:
+    held = strain(irregular(dimension, plane=plane, law=law, nu=nu))
+    for u in states(held):
+        matrix = dense(tangent(held.put(u), inertia=3.0e5), u.size)
+        np.testing.assert_allclose(matrix, matrix.T, atol=1e-14 * np.abs(matrix).max())
 
 
 @every_plane
@@ -80,6 +88,20 @@ def test_at_rest_the_blocks_are_those_of_the_tangent(dimension: int, plane: str,
     matrix = dense(operator, n * d).reshape(n, d, n, d)
     expected = np.stack([matrix[i, :, i, :] for i in range(n)])
     np.testing.assert_allclose(operator.block.numpy(), expected, atol=1e-13 * np.abs(expected).max())
+
+
+@every_plane
+def test_blocks_of_an_incompressible_material_are_nearly_those_of_the_tangent(dimension: int, plane: str) -> None:
+    """Their eigenvalues are within a factor of 3: they count a share of lambda in place of its means."""
+    held = strain(irregular(dimension, plane=plane, nu=0.49))
+    n, d = held.particles.positions.shape
+    held.put(np.zeros((n, d)))
+    operator = tangent(held)
+    operator.prepare(operator.operator, None)
+    matrix = dense(operator, n * d).reshape(n, d, n, d)
+    for i in range(n):
+        ratios = np.linalg.eigvals(np.linalg.solve(matrix[i, :, i, :], operator.block.numpy()[i])).real
+        assert 1 / 3 < ratios.min() <= ratios.max() < 3
 
 
 @every_law

@@ -74,7 +74,7 @@ def system(
     numbers = numeric_types(d, precision)
     mass = wp.array(particles.masses, dtype=numbers.real, device="cpu")
     factor = wp.array([inertia], dtype=wp.float64, device="cpu")
-    made = Tangent(held.model, mass, clamped, factor, types=numbers, device="cpu")
+    made = Tangent(held.model, held.state.u, mass, clamped, factor, types=numbers, device="cpu")
     options: dict[str, Any] = {"types": numbers, "device": "cpu", "parallel": parallel}
     two_level = TwoLevelPreconditioner(made, held.model, particles, held.state, clamped, factor, **options)
     made.prepare(made.operator, mass)

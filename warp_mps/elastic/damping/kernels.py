@@ -5,6 +5,7 @@ They come from one dissipation function, which is to the rates what the energy o
 
     D = sum_i V_i tau (mu E'_i : E'_i + lambda/2 tr(E'_i)^2) + sum_i sum_j 1/2 tau kappa_i omega_ij |c'_ij|^2
 
+and V_i tau lambda'_i / 2 times the square of the mean of tr(E') where a part lambda' of lambda acts on mean dilatations.
 tau is the material's retardation time and E' the rate of the Green-Lagrange strain. c_ij = F_i^T e_ij is the deviation
 that the hourglass control resists, in the frame of the body. F' is fitted to the neighbours' velocities as F is to
 their displacements. Small motion about rest then has a damping matrix of tau times its stiffness matrix: a mode of
@@ -64,7 +65,8 @@ def viscous_kernels(types: NumericTypes) -> SimpleNamespace:
         # State out:
         stiffness_out: wp.array(dtype=mat),  # tau kappa_i G_i [N m], [n]
         damping_out: wp.array(dtype=mat),  # tau kappa_i N_i [N m s], [n]
-        pull_out: wp.array(dtype=mat),  # D_i less the control's part [N m], [n]
+        dilatation_out: wp.array(dtype=real),  # tr(E'_i) [1/s], [n]
+        pull_out: wp.array(dtype=mat),  # D_i less the control's part and the mean dilatation's [N m], [n]
     ):
         """G_i, N_i and D_i - G_i H_i - N_i F'_i, times tau kappa_i and with A_i^-1 as in the module's docstring."""
         i = first + wp.tid()
@@ -80,6 +82,7 @@ def viscous_kernels(types: NumericTypes) -> SimpleNamespace:
         middle = f - half * rate
         growth = wp.transpose(middle) * rate
         s = tau_mu[i] * (growth + wp.transpose(growth)) + (tau_lame[i] * wp.trace(growth)) * one
+        dilatation_out[i] = wp.trace(growth)
         # sums of e (x) e and e (x) e', by pairs: e is small beside u_ij where the body has turned
         squares = mat()
         mixed = mat()

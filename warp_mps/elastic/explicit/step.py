@@ -64,8 +64,8 @@ class ExplicitStep:
             parts.contacts.initialize(state)
         parts.evaluate_model()
         if parts.viscosity:
-            parts.viscosity.launch_stress(state, 0.0, 0, parts.count)
-            parts.viscosity.launch_force(state, 0, parts.count)
+            for _, launch in parts.viscosity.passes(0.0):
+                launch(state, 0, parts.count)
         if self._lagged:
             self._lagged.start()
         if parts.contacts:
@@ -125,11 +125,8 @@ class ExplicitStep:
         passes = [Phase(name, functools.partial(launch, state), splits=True) for name, launch in model.passes]
         if not viscosity:
             return passes
-        launches = {
-            "viscous stress": functools.partial(viscosity.launch_stress, state, self._dt),
-            "viscous force": functools.partial(viscosity.launch_force, state),
-        }
-        viscous = [Phase(name, launch, splits=True, follows=True) for name, launch in launches.items()]
+        launches = [(name, functools.partial(launch, state)) for name, launch in viscosity.passes(self._dt)]
+        viscous = [Phase(name, launch, splits=True, follows=True) for name, launch in launches]
         return [phase for pair in zip(passes, viscous, strict=True) for phase in pair]
 
     def _body_forces(self) -> list[Phase]:

@@ -15,7 +15,10 @@ gradient is a plain pair force, since sum_j omega_ij e_ij (x) X_ij = 0 when the 
 
 Momentum and energy are kept, and angular momentum because W does not change under rotations. The weights are
 omega_ij = w_ij / |X_ij|^2, with w of eq. 5, and kappa_i = control V_i 2 mu d / n_i, n_i = sum_j w_ij. References give
-omega = w; w/|X|^2 was found to need fewer neighbours for the same accuracy.
+omega = w; w/|X|^2 was found to need fewer neighbours for the same accuracy. Where a neighbourhood is strongly
+compressed, kappa_i grows (`warp_mps.elastic.hamiltonian.control`): kappa_i g(J_i) stands for it in both sums, and P_i
+gets the derivative of g. Close to nu = 1/2 a part of lambda acts on the mean dilatation of the neighbours
+(`warp_mps.elastic.hamiltonian.dilatation_kernels`); here, lambda is the rest.
 
 References:
     Suzuki, Y. and Koshizuka, S., Int. J. Numer. Meth. Engng 74 (2008) 1344.
@@ -30,8 +33,10 @@ import warp as wp
 from warp_mps.core.types import NumericTypes, numeric_types
 from warp_mps.core.weights import weight_function
 from warp_mps.elastic import METHOD
+from warp_mps.elastic.hamiltonian.control import FIRM_BELOW, control_funcs
 from warp_mps.elastic.hamiltonian.pair_sums import pair_sums
 from warp_mps.elastic.materials.laws import law_funcs
+from warp_mps.elastic.materials.volume import volume_funcs
 
 
 @functools.cache
@@ -45,6 +50,9 @@ def hamiltonian_kernels(types: NumericTypes) -> SimpleNamespace:
     sums = pair_sums(types)
     pair_moment, pair_force = sums.moment, sums.force
     law_stress, energy_density = laws.stress, laws.energy_density
+    volumes, control = volume_funcs(types), control_funcs(types)
+    law_dilatation, cofactor = volumes.dilatation, volumes.cofactor
+    growth, growth_slope = control.growth, control.growth_slope
     # the constants of a pair are formed in double precision whatever the run's: X_ij is a small difference
     vec64 = wp.types.vector(length=types.dimension, dtype=wp.float64)
     mps_weight = weight_function(numeric_types(types.dimension, "float64"))
@@ -105,16 +113,30 @@ def hamiltonian_kernels(types: NumericTypes) -> SimpleNamespace:
         u: wp.array(dtype=vec),  # displacements u [m], [n]
         # State out:
         gradient_out: wp.array(dtype=mat),  # displacement gradients H_i [-], [n]
-        pull_out: wp.array(dtype=mat),  # B_i [N m], [n]
+        dilatation_out: wp.array(dtype=real),  # dilatations [-], [n]
+        resistance_out: wp.array(dtype=real),  # kappa_i g(J_i) [N m], [n]
+        pull_out: wp.array(dtype=mat),  # B_i, but for the mean dilatation [N m], [n]
     ):
-        """Displacement gradient H_i and B_i = V_i P_i A_i^-1 - kappa_i H_i."""
+        """Displacement gradient H_i and B_i = V_i P_i A_i^-1 - kappa_i g(J_i) H_i."""
         i = first + wp.tid()
         total = pair_moment(i, start, index, bond, weight, u)
         inverse = inverse_shape[i]
         h = total * inverse
         gradient_out[i] = h
+        dilatation_out[i] = law_dilatation(law[i], h)
         p = law_stress(law[i], h, lame[i], mu[i], plane_stress)
-        pull_out[i] = volume[i] * p * inverse - kappa[i] * h
+        resistance = kappa[i]
+        f = h + wp.identity(n=wp.static(types.dimension), dtype=real)
+        j = wp.determinant(f)
+        if j < real(FIRM_BELOW):
+            squares = real(0.0)
+            for k in range(start[i], start[i + 1]):
+                e = u[index[k]] - u[i] - h * bond[k]
+                squares += weight[k] * wp.dot(e, e)
+            p += (real(0.5) * kappa[i] / volume[i] * growth_slope(j) * squares) * cofactor(f)
+            resistance = kappa[i] * growth(j)
+        resistance_out[i] = resistance
+        pull_out[i] = volume[i] * p * inverse - resistance * h
 
     @types.kernel(METHOD)
     def force(
@@ -124,16 +146,16 @@ def hamiltonian_kernels(types: NumericTypes) -> SimpleNamespace:
         index: wp.array(dtype=wp.int32),  # neighbour j of each pair, [pairs]
         bond: wp.array(dtype=vec),  # reference vectors X_ij [m], [pairs]
         weight: wp.array(dtype=real),  # weights omega_ij [1/m^2], [pairs]
-        kappa: wp.array(dtype=real),  # stiffness kappa_i of the hourglass control [N m], [n]
         # State in:
         u: wp.array(dtype=vec),  # displacements u [m], [n]
+        resistance: wp.array(dtype=real),  # kappa_i g(J_i) [N m], [n]
         pull: wp.array(dtype=mat),  # B_i [N m], [n]
         # State out:
         force_out: wp.array(dtype=vec),  # forces [N], [n]
     ):
-        """Force f_i = sum_j omega_ij [(B_i + B_j) X_ij + (kappa_i + kappa_j) u_ij]."""
+        """Force f_i = sum_j omega_ij [(B_i + B_j) X_ij + (kappa_i g_i + kappa_j g_j) u_ij]."""
         i = first + wp.tid()
-        force_out[i] = pair_force(i, start, index, bond, weight, kappa, u, pull)
+        force_out[i] = pair_force(i, start, index, bond, weight, resistance, u, pull)
 
     @types.kernel(METHOD)
     def energy(
@@ -143,25 +165,28 @@ def hamiltonian_kernels(types: NumericTypes) -> SimpleNamespace:
         bond: wp.array(dtype=vec),  # reference vectors X_ij [m], [pairs]
         weight: wp.array(dtype=real),  # weights omega_ij [1/m^2], [pairs]
         volume: wp.array(dtype=real),  # reference volumes V_i [m^d], [n]
-        kappa: wp.array(dtype=real),  # stiffness kappa_i of the hourglass control [N m], [n]
         law: wp.array(dtype=wp.int32),  # 0 for St. Venant-Kirchhoff, 1 for neo-Hookean, [n]
         lame: wp.array(dtype=real),  # Lame's constant lambda [Pa], [n]
         mu: wp.array(dtype=real),  # Lame's constant mu [Pa], [n]
         plane_stress: wp.int32,  # 1 for plane stress, else 0
+        mean_lame: wp.array(dtype=real),  # part of lambda on the mean dilatation [Pa], [n]
         # State in:
         u: wp.array(dtype=vec),  # displacements u [m], [n]
         gradient: wp.array(dtype=mat),  # displacement gradients H_i [-], [n]
+        resistance: wp.array(dtype=real),  # kappa_i g(J_i) [N m], [n]
+        mean: wp.array(dtype=real),  # mean dilatations [-], [n]
         # State out:
         energy_out: wp.array(dtype=real),  # energies [J], [n]
     ):
-        """Elastic energy V_i psi(F_i) + sum_j 1/2 kappa_i omega_ij |e_ij|^2 of each particle."""
+        """Elastic energy V_i psi(F_i) + sum_j 1/2 kappa_i g(J_i) omega_ij |e_ij|^2 of each particle."""
         i = wp.tid()
         h = gradient[i]
-        control = real(0.0)
+        squares = real(0.0)
         for k in range(start[i], start[i + 1]):
             e = u[index[k]] - u[i] - h * bond[k]
-            control += weight[k] * wp.dot(e, e)
+            squares += weight[k] * wp.dot(e, e)
         density = energy_density(law[i], h, lame[i], mu[i], plane_stress)
-        energy_out[i] = volume[i] * density + real(0.5) * kappa[i] * control
+        density += real(0.5) * mean_lame[i] * mean[i] * mean[i]
+        energy_out[i] = volume[i] * density + real(0.5) * resistance[i] * squares
 
     return SimpleNamespace(shapes=shapes, stress=stress, force=force, energy=energy)

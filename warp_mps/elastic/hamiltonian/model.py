@@ -8,8 +8,10 @@ import warp as wp
 from warp_mps.core.neighbours import reference_neighbours
 from warp_mps.core.rotation import rotation_vectors
 from warp_mps.core.types import NumericTypes
+from warp_mps.elastic.hamiltonian.control import control_share
 from warp_mps.elastic.hamiltonian.kernels import hamiltonian_kernels
-from warp_mps.elastic.materials.constants import law_constants
+from warp_mps.elastic.hamiltonian.mean_dilatation import MeanDilatation
+from warp_mps.elastic.materials.constants import law_constants, mean_lame
 from warp_mps.elastic.model import Pass
 from warp_mps.elastic.output.stresses import StressFields, stress_fields, stress_kernels
 from warp_mps.elastic.state import ElasticState
@@ -31,7 +33,9 @@ class HamiltonianModel:
         index: Neighbour of each pair.
         bond: Reference vector X_ij of each pair [m], shape [pairs, d].
         weight: Weight omega_ij of each pair [1/m^2].
-        kappa: Stiffness of the control of zero-energy modes [N m], shape [n].
+        kappa: Stiffness of the control of zero-energy modes at rest [N m], shape [n].
+        resistance: The same at the last evaluation, kappa_i g(J_i) [N m], shape [n].
+        dilatation: The mean dilatation.
         gradient: Displacement gradient H_i [-], shape [n, d, d].
         pull: B_i [N m], shape [n, d, d].
     """
@@ -53,48 +57,65 @@ class HamiltonianModel:
         density = self._set_up(scene, particles, reach)
         materials = scene.materials
         lame, mu = np.array([law_constants(material, d, scene.plane) for material in materials])[particles.materials].T
+        averaged = np.array([mean_lame(material, d, scene.plane) for material in materials])[particles.materials]
         volume = particles.spacings**d
         laws = np.array([LAWS.index(material.law) for material in materials])[particles.materials]
         self._law = wp.array(laws, dtype=wp.int32, device=device)
         self._plane_stress = int(d == 2 and scene.plane == "stress")
-        self._volume, self._lame, self._mu = real(volume), real(lame), real(mu)
-        self.kappa = real(scene.elasticity.control * volume * 2.0 * mu * d / density)
+        self._volume = real(volume)
+        kinds = np.column_stack((laws, lame, mu, particles.spacings))
+        groups = np.unique(kinds, axis=0, return_inverse=True)[1].reshape(-1)
+        self.dilatation = MeanDilatation(averaged, groups, self.operators(), self._law, types=types, device=device)
+        self._lame, self._mu = real(lame - self.dilatation.lame.numpy()), real(mu)
+        stiffness = scene.elasticity.control * volume * 2.0 * mu * d / density
+        self.kappa = real(stiffness * control_share(averaged, lame))
+        self.resistance = wp.clone(self.kappa)
         self.gradient = wp.zeros(n, dtype=types.mat, device=device)
         self.pull = wp.zeros(n, dtype=types.mat, device=device)
 
     @property
     def passes(self) -> list[tuple[str, Pass]]:
-        """The launches that evaluate the forces, in order: stresses, then forces."""
-        return [("stress", self._launch_stress), ("force", self._launch_force)]
+        """The launches that evaluate the forces, in order: stresses, mean dilatations if any, then forces."""
+        mean: list[tuple[str, Pass]] = [("mean", self._launch_mean), ("gather", self._launch_gather)]
+        return [("stress", self._launch_stress), *(mean if self.dilatation.acts else []), ("force", self._launch_force)]
+
+    def evaluate_stresses(self, state: ElasticState) -> None:
+        """Launch all passes but the forces."""
+        for _, launch in self.passes[:-1]:
+            launch(state, 0, len(self.gradient))
 
     def operators(self) -> list[wp.array]:
         """Start and index of the pairs, their vectors and weights; A_i^-1 and volume of the particles."""
         return [self.start, self.index, self.bond, self.weight, self._inverse_shape, self._volume]
 
     def constants(self) -> list[Any]:
-        """Law, lambda and mu of the particles, and whether the scene is in plane stress, as kernels take them."""
+        """Law, lambda and mu of the particles, and whether the scene is in plane stress, as kernels take them.
+
+        lambda is what acts on the particle's own dilatation.
+        """
         return [self._law, self._lame, self._mu, self._plane_stress]
 
     def launch_energy(self, state: ElasticState, energy_out: wp.array) -> None:
         """Elastic energy of every particle at the last evaluation of the stresses [J]."""
         pairs = [self.start, self.index, self.bond, self.weight]
-        inputs = [*pairs, self._volume, self.kappa, *self.constants(), state.u, self.gradient]
+        inputs = [*pairs, self._volume, *self.constants(), self.dilatation.lame]
+        inputs += [state.u, self.gradient, self.resistance, self.dilatation.mean]
         wp.launch(self._kernels.energy, len(self._volume), inputs, [energy_out], device=self._device)
 
     def pressures(self) -> np.ndarray:
         """Pressure -tr(sigma)/d of the Cauchy stress sigma = P F^T / J in the scene's dimensions [Pa], shape [n]."""
         d = self._types.dimension
-        stresses = stress_fields(self.gradient, self.constants(), types=self._types, device=self._device).stresses
+        stresses = self._stress_fields().stresses
         return -np.trace(stresses[:, :d, :d], axis1=1, axis2=2) / d
 
     def stress_fields(self, state: ElasticState) -> StressFields:
         """Stresses and strains at the last evaluation of the stresses."""
-        return stress_fields(self.gradient, self.constants(), types=self._types, device=self._device)
+        return self._stress_fields()
 
     def energy_densities(self, state: ElasticState) -> np.ndarray:
         """Strain energy per reference volume, without that of the hourglass control [J/m^3], shape [n]."""
         densities = wp.empty(len(self.gradient), dtype=self._types.real, device=self._device)
-        inputs = [*self.constants(), self.gradient]
+        inputs = [*self.constants(), self.dilatation.lame, self.gradient, self.dilatation.mean]
         wp.launch(stress_kernels(self._types).density, len(densities), inputs, [densities], device=self._device)
         return densities.numpy().astype(float)
 
@@ -124,13 +145,25 @@ class HamiltonianModel:
             raise InputError(place(body, "body"), "spacing", reason)
         return density.numpy()
 
+    def _stress_fields(self) -> StressFields:
+        constants, types = self.constants(), self._types
+        return stress_fields(self.gradient, constants, self.dilatation.stress, types=types, device=self._device)
+
     def _launch_stress(self, state: ElasticState, first: int, count: int) -> None:
         pairs = [first, self.start, self.index, self.bond, self.weight]
         inputs = [*pairs, self._inverse_shape, self._volume, self.kappa, *self.constants(), state.u]
-        wp.launch(self._kernels.stress, count, inputs, [self.gradient, self.pull], device=self._device)
+        outputs = [self.gradient, self.dilatation.dilatation, self.resistance, self.pull]
+        wp.launch(self._kernels.stress, count, inputs, outputs, device=self._device)
+
+    def _launch_mean(self, state: ElasticState, first: int, count: int) -> None:
+        self.dilatation.average(self.dilatation.dilatation, self.dilatation.mean, first, count)
+
+    def _launch_gather(self, state: ElasticState, first: int, count: int) -> None:
+        mean = self.dilatation
+        mean.gather(self.gradient, mean.mean, mean.stress, self.pull, first, count)
 
     def _launch_force(self, state: ElasticState, first: int, count: int) -> None:
-        inputs = [first, self.start, self.index, self.bond, self.weight, self.kappa, state.u, self.pull]
+        inputs = [first, self.start, self.index, self.bond, self.weight, state.u, self.resistance, self.pull]
         wp.launch(self._kernels.force, count, inputs, [state.force], device=self._device)
 
 

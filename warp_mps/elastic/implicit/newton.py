@@ -117,7 +117,7 @@ class Newton:
             wp.zeros(self._n, dtype=types.vec, device=device) for _ in range(4)
         )
         self.inertia = wp.zeros(1, dtype=wp.float64, device=device)
-        self.tangent = Tangent(model, mass, held, self.inertia, types=types, device=device)
+        self.tangent = Tangent(model, state.u, mass, held, self.inertia, types=types, device=device)
         self.preconditioner = TwoLevelPreconditioner(
             self.tangent, model, particles, state, held, self.inertia, types=types, device=device, graphs=graphs
         )

@@ -24,6 +24,7 @@ class Tangent:
 
     Args:
         model: The model.
+        u: Displacements of its state [m], vec [n].
         mass: Masses [kg], shape [n].
         held: Whether each axis of each particle is held, shape [n, d].
         inertia: The factor a of the masses [1/s^2], float64, shape [1]; it may change between solves.
@@ -34,6 +35,7 @@ class Tangent:
     def __init__(
         self,
         model: HamiltonianModel,
+        u: wp.array,
         mass: wp.array,
         held: np.ndarray,
         inertia: wp.array,
@@ -42,13 +44,17 @@ class Tangent:
         device: Any,
     ) -> None:
         self._kernels, self._model, self._device = tangent_kernels(types), model, device
-        self._mass, self._inertia = mass, inertia
+        self._u, self._mass, self._inertia = u, mass, inertia
         self._n, d = held.shape
         self._vec64 = wp.types.vector(length=d, dtype=wp.float64)
         mat64 = wp.types.matrix(shape=(d, d), dtype=wp.float64)
         self._free = wp.array(~held, dtype=types.vec, device=device)
         self._direction = wp.zeros(self._n, dtype=types.vec, device=device)
+        # changes along it: of B_i; of the dilatations, their means and the stress of these; of the control
         self._change = wp.zeros(self._n, dtype=types.mat, device=device)
+        self._dilatation, self._mean, self._stress, self._resistance = (
+            wp.zeros(self._n, dtype=types.real, device=device) for _ in range(4)
+        )
         self.block = wp.zeros(self._n, dtype=mat64, device=device)
         self._inverse = wp.zeros(self._n, dtype=mat64, device=device)
         # with which a product is that with x
@@ -63,8 +69,8 @@ class Tangent:
     def prepare(self, matrix: Any, inverse: wp.array) -> None:
         """Launch the blocks at the present state; the model's stresses must be those of this state."""
         model = self._model
-        inputs = [*model.operators(), model.kappa, *model.constants()]
-        inputs += [self._mass, self._inertia, self._free, model.gradient]
+        inputs = [*model.operators(), *model.constants(), model.dilatation.lame]
+        inputs += [self._mass, self._inertia, self._free, model.gradient, model.resistance]
         self._launch(self._kernels.blocks, inputs, [self.block, self._inverse])
 
     def apply(self, r: wp.array, z: wp.array) -> None:
@@ -82,9 +88,15 @@ class Tangent:
     def _multiply(self, control: wp.array, x: wp.array, p: wp.array, q: wp.array) -> None:
         kernels, model = self._kernels, self._model
         self._launch(kernels.choose, [control, self.vectors(x), self.vectors(p)], [self._direction])
-        inputs = [*model.operators(), model.kappa, *model.constants(), model.gradient, self._direction]
-        self._launch(kernels.pull_change, inputs, [self._change])
-        inputs = [*model.operators()[:4], model.kappa, self._mass, self._inertia, self._direction, self._change]
+        mean, u, n = model.dilatation, self._u, self._n
+        inputs = [*model.operators(), model.kappa, *model.constants()]
+        inputs += [u, model.gradient, model.resistance, mean.stress, self._direction]
+        self._launch(kernels.pull_change, inputs, [self._dilatation, self._resistance, self._change])
+        if mean.acts:
+            mean.average(self._dilatation, self._mean, 0, n)
+            mean.gather(model.gradient, self._mean, self._stress, self._change, 0, n)
+        inputs = [*model.operators()[:4], self._mass, self._inertia]
+        inputs += [u, model.resistance, self._direction, self._resistance, self._change]
         self._launch(kernels.product, inputs, [self.vectors(q)])
 
     def _launch(self, kernel: Any, inputs: list[Any], outputs: list[Any]) -> None:

@@ -95,7 +95,10 @@ class TwoLevelPreconditioner:
         self._modes, self._shift = 3 * (d - 1), SHIFTS[types.precision]
         start, index = model.start.numpy(), model.index.numpy()
         moves = np.asarray(~held.all(axis=1))
-        self.aggregates = aggregate(particles.positions, particles.spacings, moves, start, index, modes=self._modes)
+        rings = 2 if model.dilatation.acts else 1
+        self.aggregates = aggregate(
+            particles.positions, particles.spacings, moves, start, index, modes=self._modes, rings=rings
+        )
         self.matrix = CoarseMatrix(self.aggregates, self._modes)
         groups, matrix = self.aggregates, self.matrix
         self._colours = int(groups.colours.max(initial=-1)) + 1
@@ -168,15 +171,15 @@ class TwoLevelPreconditioner:
         self._on.fill_(int(on))
         if not on:
             return
-        u, inertia, evaluate = self._state.u, self._inertia, self._model.passes[0][1]
+        u, inertia, evaluate = self._state.u, self._inertia, self._model.evaluate_stresses
         now = [(array, wp.clone(array)) for array in (u, inertia)]
         wp.copy(u, self._made_of)
         wp.copy(inertia, self._made_at)
-        evaluate(self._state, 0, self._n)
+        evaluate(self._state)
         self._make()
         for array, kept in now:
             wp.copy(array, kept)
-        evaluate(self._state, 0, self._n)
+        evaluate(self._state)
 
     def _make(self) -> None:
         if self.aggregates.count == 0:

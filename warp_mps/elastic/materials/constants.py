@@ -7,6 +7,11 @@ import math
 from warp_mps.scene import Material
 from warp_mps.scene.choices import PlaneModelName
 
+# largest lambda over mu that acts on a particle's own dilatation [-]: that of nu = 0.4
+LOCAL_LAME = 4.0
+# excess over it that is rounding, relative to lambda
+ROUNDING = 1e-9
+
 
 def lame_constants(material: Material, dimension: int, plane: PlaneModelName) -> tuple[float, float]:
     """Lame's constants lambda and mu [Pa].
@@ -36,3 +41,15 @@ def pressure_wave_speed(material: Material, dimension: int, plane: PlaneModelNam
     """Speed of pressure waves c_p = sqrt((lambda + 2 mu) / rho) [m/s]."""
     lame, mu = lame_constants(material, dimension, plane)
     return math.sqrt((lame + 2.0 * mu) / material.density)
+
+
+def mean_lame(material: Material, dimension: int, plane: PlaneModelName) -> float:
+    """The part of lambda that acts on the mean dilatation of a neighbourhood [Pa]: the excess over 4 mu.
+
+    It is 0 up to nu = 0.4, and in plane stress, where no constraint of volume acts in the plane.
+    """
+    if dimension == 2 and plane == "stress":
+        return 0.0
+    lame, mu = lame_constants(material, dimension, plane)
+    excess = lame - LOCAL_LAME * mu
+    return excess if excess > ROUNDING * lame else 0.0

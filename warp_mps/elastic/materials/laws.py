@@ -21,11 +21,10 @@ import warp as wp
 
 from warp_mps.core.types import NumericTypes
 from warp_mps.elastic import METHOD
+from warp_mps.elastic.materials.volume import TERMS, volume_funcs
 
 # Newton steps for the stretch across the plane; the equation is nearly linear in its logarithm
 NEWTON_STEPS = 6
-# terms of the series: enough for double precision up to 0.3
-TERMS = 12
 
 
 @functools.cache
@@ -36,25 +35,8 @@ def law_funcs(types: NumericTypes) -> SimpleNamespace:
     """
     real, mat = types.real, types.mat
     one, half, two = real(1.0), real(0.5), real(2.0)
-
-    @types.func(METHOD)
-    def volume_beyond_trace(h: mat) -> real:
-        """det(I + H) - 1 - tr H, without the cancellation."""
-        minors = half * (wp.trace(h) * wp.trace(h) - wp.trace(h * h))
-        if wp.static(types.dimension == 2):
-            return minors
-        return minors + wp.determinant(h)
-
-    @types.func(METHOD)
-    def log_defect(x: real) -> real:
-        """X - ln(1 + x), of second order in x: with z = x/(2 + x), x z - 2 (z^3/3 + z^5/5 + ...)."""
-        if wp.abs(x) > real(0.3):
-            return x - wp.log(one + x)
-        z = x / (two + x)
-        total = real(0.0)
-        for k in range(TERMS):
-            total = total * z * z + two / real(2 * TERMS + 1 - 2 * k)
-        return z * (x - z * z * total)
+    volume = volume_funcs(types)
+    volume_beyond_trace, log_defect, log_volume = volume.volume_beyond_trace, volume.log_defect, volume.log_volume
 
     @types.func(METHOD)
     def exp_excess(x: real) -> real:
@@ -75,12 +57,6 @@ def law_funcs(types: NumericTypes) -> SimpleNamespace:
                 grown = two * s + exp_excess(two * s)
                 s -= (mu * grown + lame * (log_j + s)) / (two * mu * (one + grown) + lame)
         return s
-
-    @types.func(METHOD)
-    def log_volume(h: mat) -> real:
-        """Logarithm of J."""
-        growth = wp.trace(h) + volume_beyond_trace(h)
-        return growth - log_defect(growth)
 
     @types.func(METHOD)
     def stress(law: wp.int32, h: mat, lame: real, mu: real, plane_stress: wp.int32) -> mat:

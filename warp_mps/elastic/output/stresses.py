@@ -23,6 +23,7 @@ from warp_mps.core.rotation import rotation_funcs
 from warp_mps.core.types import NumericTypes
 from warp_mps.elastic import METHOD
 from warp_mps.elastic.materials.laws import law_funcs
+from warp_mps.elastic.materials.volume import volume_funcs
 
 
 class StressFields(NamedTuple):
@@ -47,6 +48,7 @@ def stress_kernels(types: NumericTypes) -> SimpleNamespace:
     laws = law_funcs(types)
     law_stress, energy_density = laws.stress, laws.energy_density
     stress_across, strain_across = laws.stress_across, laws.strain_across
+    dilatation_slope = volume_funcs(types).dilatation_slope
     turns = rotation_funcs(types, METHOD)
     mean_rotor, turn = turns.mean_rotor, turns.turn
 
@@ -70,6 +72,7 @@ def stress_kernels(types: NumericTypes) -> SimpleNamespace:
         plane_stress: wp.int32,  # 1 for plane stress, else 0
         # State in:
         gradient: wp.array(dtype=mat),  # displacement gradients H_i [-], [n]
+        mean_stress: wp.array(dtype=real),  # Kirchhoff stress of the mean dilatations [Pa], [n]
         # State out:
         stress_out: wp.array(dtype=tensor),  # Cauchy stresses [Pa], [n]
         strain_out: wp.array(dtype=tensor),  # Green-Lagrange strains [-], [n]
@@ -80,7 +83,8 @@ def stress_kernels(types: NumericTypes) -> SimpleNamespace:
         f = h + wp.identity(n=wp.static(types.dimension), dtype=real)
         inverse_j = real(1.0) / wp.determinant(f)
         p = law_stress(law[i], h, lame[i], mu[i], plane_stress)
-        across = stress_across(law[i], h, lame[i], mu[i], plane_stress)
+        p += mean_stress[i] * dilatation_slope(law[i], h)
+        across = stress_across(law[i], h, lame[i], mu[i], plane_stress) + mean_stress[i]
         stress_out[i] = widen(inverse_j * (p * wp.transpose(f)), inverse_j * across)
         e = real(0.5) * (h + wp.transpose(h) + wp.transpose(h) * h)
         strain_out[i] = widen(e, strain_across(law[i], h, lame[i], mu[i], plane_stress))
@@ -92,14 +96,17 @@ def stress_kernels(types: NumericTypes) -> SimpleNamespace:
         lame: wp.array(dtype=real),  # Lame's constant lambda [Pa], [n]
         mu: wp.array(dtype=real),  # Lame's constant mu [Pa], [n]
         plane_stress: wp.int32,  # 1 for plane stress, else 0
+        mean_lame: wp.array(dtype=real),  # part of lambda on the mean dilatation [Pa], [n]
         # State in:
         gradient: wp.array(dtype=mat),  # displacement gradients H_i [-], [n]
+        mean: wp.array(dtype=real),  # mean dilatations [-], [n]
         # State out:
         density_out: wp.array(dtype=real),  # energy densities [J/m^3], [n]
     ):
-        """Strain energy psi(F) per reference volume [J/m^3]."""
+        """Strain energy psi(F), with that of the mean dilatation, per reference volume [J/m^3]."""
         i = wp.tid()
-        density_out[i] = energy_density(law[i], gradient[i], lame[i], mu[i], plane_stress)
+        density = energy_density(law[i], gradient[i], lame[i], mu[i], plane_stress)
+        density_out[i] = density + real(0.5) * mean_lame[i] * mean[i] * mean[i]
 
     @types.kernel(METHOD)
     def fit(
@@ -146,18 +153,21 @@ def stress_kernels(types: NumericTypes) -> SimpleNamespace:
     return SimpleNamespace(fields=fields, density=density, fit=fit)
 
 
-def stress_fields(gradients: wp.array, constants: list[Any], *, types: NumericTypes, device: Any) -> StressFields:
+def stress_fields(
+    gradients: wp.array, constants: list[Any], mean_stresses: wp.array, *, types: NumericTypes, device: Any
+) -> StressFields:
     """Stress and strain of displacement gradients.
 
     Args:
         gradients: H = F - I [-], shape [n, d, d].
         constants: Laws and Lame's constants of the particles, and whether it is plane stress.
+        mean_stresses: Kirchhoff stresses of the mean dilatations [Pa], shape [n].
         types: Number types.
         device: Warp device.
     """
     tensor = wp.types.matrix(shape=(3, 3), dtype=types.real)
     outputs = [wp.empty(len(gradients), dtype=tensor, device=device) for _ in range(2)]
-    wp.launch(stress_kernels(types).fields, len(gradients), [*constants, gradients], outputs, device=device)
+    wp.launch(stress_kernels(types).fields, len(gradients), [*constants, gradients, mean_stresses], outputs, device=device)
     return StressFields(*(values.numpy().astype(float) for values in outputs))
 
 

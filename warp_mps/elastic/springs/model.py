@@ -91,7 +91,8 @@ class SpringModel:
         laws = wp.zeros(len(gradients), dtype=wp.int32, device=self.device)
         constants = [wp.array(values, dtype=self._types.real, device=self.device) for values in self._lame.T]
         constants = [laws, *constants, self._plane_stress]
-        return stress_fields(gradients, constants, types=self._types, device=self.device)
+        none = wp.zeros(len(gradients), dtype=self._types.real, device=self.device)
+        return stress_fields(gradients, constants, none, types=self._types, device=self.device)
 
     def energy_densities(self, state: ElasticState) -> np.ndarray:
         """Energy of the springs and of the volume change per reference volume [J/m^3], shape [n]."""
