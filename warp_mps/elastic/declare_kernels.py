@@ -15,9 +15,9 @@ from warp_mps.elastic.contact.search_kernels import search_kernels
 from warp_mps.elastic.damping.kernels import viscous_kernels
 from warp_mps.elastic.explicit.kernels import motion_kernels
 from warp_mps.elastic.hamiltonian.dilatation_kernels import dilatation_kernels
-from warp_mps.elastic.hamiltonian.inversion_kernels import inversion_kernels
 from warp_mps.elastic.hamiltonian.kernels import hamiltonian_kernels
 from warp_mps.elastic.output.energies import energy_kernels
+from warp_mps.elastic.output.inversion_kernels import inversion_kernels
 from warp_mps.elastic.output.stresses import stress_kernels
 from warp_mps.elastic.springs.kernels import spring_kernels
 from warp_mps.elastic.springs.rotation_kernels import rotation_kernels

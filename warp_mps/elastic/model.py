@@ -26,6 +26,21 @@ class ElasticModel(Protocol):
         """Neighbour of each pair."""
 
     @property
+    def start(self) -> wp.array:
+        """First pair of each particle, shape [n + 1]."""
+
+    @property
+    def bond(self) -> wp.array:
+        """Reference vector X_ij of each pair [m]."""
+
+    @property
+    def inverted(self) -> wp.array:
+        """1 where J has been 0 or less in an evaluation, int32 [n]; a model without J leaves it to others."""
+
+    def gradients(self, state: ElasticState) -> wp.array:
+        """Displacement gradients H = F - I [-], shape [n, d, d]; those of the last evaluation where the model has F."""
+
+    @property
     def passes(self) -> list[tuple[str, Pass]]:
         """The launches that evaluate the forces, in order, each by name; a pass reads the results of the one before."""
 

@@ -12,6 +12,7 @@ from warp_mps.elastic.contact.model import Contacts, needs_contact
 from warp_mps.elastic.contact.walls import Walls
 from warp_mps.elastic.damping.model import make_viscosity
 from warp_mps.elastic.model_choice import make_model
+from warp_mps.elastic.output.inversions import Inversions
 from warp_mps.elastic.state import ElasticState, initial_state
 from warp_mps.particles.particles import Particles
 from warp_mps.scene import Scene
@@ -37,6 +38,7 @@ class SolidParts:
         state:        Displacements, velocities and forces.
         boundary:     Supports and loads.
         model:        The elastic model.
+        inversions:   What is turned inside out.
         viscosity:    Kelvin-Voigt damping of the materials.
         walls:        The walls.
         contacts:     Contact, with its friction.
@@ -63,6 +65,7 @@ class SolidParts:
         held_rotation = self.boundary.held_rotation[: self.count]
         elastic = particles.elastic_part()
         self.model = make_model(scene, elastic, held_rotation, types=types, device=device)
+        self.inversions = Inversions(scene, elastic, self.model, types=types, device=device)
         self.viscosity = make_viscosity(scene, elastic, self.model, types=types, device=device)
         self.walls = Walls(scene, particles, dt=dt, types=types, device=device) if scene.walls else None
         self.contacts = (

@@ -113,12 +113,17 @@ class SolidReadings:
         return self._with_walls(omega, walls.turns()[1] if walls else None)
 
     def trouble(self) -> str | None:
-        """Why the run cannot go on: a particle with more contact candidates than its list holds; None if it can."""
-        contacts = self.parts.contacts
-        if not contacts or (particle := contacts.overflowed()) is None:
+        """Why the run cannot go on; None if it can.
+
+        A particle is turned inside out, or it has more contact candidates than its list holds.
+        """
+        parts = self.parts
+        if (trouble := parts.inversions.trouble(self._state)) is not None:
+            return trouble
+        if not parts.contacts or (particle := parts.contacts.overflowed()) is None:
             return None
         return (
-            f"{self.parts.particles.describe(particle)} meets more particles of other bodies than a contact can hold: "
+            f"{parts.particles.describe(particle)} meets more particles of other bodies than a contact can hold: "
             "the bodies are crushed into each other; stiffen the contact"
         )
 

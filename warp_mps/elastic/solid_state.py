@@ -25,7 +25,8 @@ class SolidState:
 
     def evolving(self) -> list[wp.array]:
         """Device arrays of everything that evolves."""
-        return [array for part in self._evolving_parts() for array in part.evolving()]
+        arrays = [array for part in self._evolving_parts() for array in part.evolving()]
+        return [*arrays, self._parts.inversions.inverted]
 
     def arrays(self) -> dict[str, np.ndarray]:
         """Host copies of everything that evolves, by name, for a checkpoint."""

@@ -121,13 +121,13 @@ class ExplicitStep:
 
     def _material_forces(self) -> list[Phase]:
         """The passes of the elastic model, each followed by the viscous one, which needs its result alone."""
-        state, viscosity, model = self._state, self._parts.viscosity, self._parts.model
-        passes = [Phase(name, functools.partial(launch, state), splits=True) for name, launch in model.passes]
-        if not viscosity:
-            return passes
-        launches = [(name, functools.partial(launch, state)) for name, launch in viscosity.passes(self._dt)]
-        viscous = [Phase(name, launch, splits=True, follows=True) for name, launch in launches]
-        return [phase for pair in zip(passes, viscous, strict=True) for phase in pair]
+        state, parts = self._state, self._parts
+        phases = [Phase(name, functools.partial(launch, state), splits=True) for name, launch in parts.model.passes]
+        if parts.viscosity:
+            launches = [(name, functools.partial(launch, state)) for name, launch in parts.viscosity.passes(self._dt)]
+            viscous = [Phase(name, launch, splits=True, follows=True) for name, launch in launches]
+            phases = [phase for pair in zip(phases, viscous, strict=True) for phase in pair]
+        return phases
 
     def _body_forces(self) -> list[Phase]:
         """Body forces at the new places, Python functions first."""

@@ -109,21 +109,25 @@ def hamiltonian_kernels(types: NumericTypes) -> SimpleNamespace:
         lame: wp.array(dtype=real),  # Lame's constant lambda [Pa], [n]
         mu: wp.array(dtype=real),  # Lame's constant mu [Pa], [n]
         plane_stress: wp.int32,  # 1 for plane stress, else 0
+        averaged: wp.int32,  # 1 where mean dilatations act, else 0
         # State in:
         u: wp.array(dtype=vec),  # displacements u [m], [n]
         # State out:
         gradient_out: wp.array(dtype=mat),  # displacement gradients H_i [-], [n]
-        dilatation_out: wp.array(dtype=real),  # dilatations [-], [n]
+        dilatation_out: wp.array(dtype=real),  # dilatations, if averaged [-], [n]
         resistance_out: wp.array(dtype=real),  # kappa_i g(J_i) [N m], [n]
         pull_out: wp.array(dtype=mat),  # B_i, but for the mean dilatation [N m], [n]
+        # State in and out:
+        inverted: wp.array(dtype=wp.int32),  # 1 where J_i has been 0 or less, [n]
     ):
-        """Displacement gradient H_i and B_i = V_i P_i A_i^-1 - kappa_i g(J_i) H_i."""
+        """Displacement gradient H_i and B_i = V_i P_i A_i^-1 - kappa_i g(J_i) H_i; notes J_i <= 0."""
         i = first + wp.tid()
         total = pair_moment(i, start, index, bond, weight, u)
         inverse = inverse_shape[i]
         h = total * inverse
         gradient_out[i] = h
-        dilatation_out[i] = law_dilatation(law[i], h)
+        if averaged == 1:
+            dilatation_out[i] = law_dilatation(law[i], h)
         p = law_stress(law[i], h, lame[i], mu[i], plane_stress)
         resistance = kappa[i]
         f = h + wp.identity(n=wp.static(types.dimension), dtype=real)
@@ -135,6 +139,8 @@ def hamiltonian_kernels(types: NumericTypes) -> SimpleNamespace:
                 squares += weight[k] * wp.dot(e, e)
             p += (real(0.5) * kappa[i] / volume[i] * growth_slope(j) * squares) * cofactor(f)
             resistance = kappa[i] * growth(j)
+            if j <= real(0.0):
+                inverted[i] = 1
         resistance_out[i] = resistance
         pull_out[i] = volume[i] * p * inverse - resistance * h
 

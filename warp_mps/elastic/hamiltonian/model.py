@@ -38,6 +38,7 @@ class HamiltonianModel:
         dilatation: The mean dilatation.
         gradient: Displacement gradient H_i [-], shape [n, d, d].
         pull: B_i [N m], shape [n, d, d].
+        inverted: 1 where J_i has been 0 or less in an evaluation, int32, shape [n].
     """
 
     rotation = None
@@ -72,12 +73,17 @@ class HamiltonianModel:
         self.resistance = wp.clone(self.kappa)
         self.gradient = wp.zeros(n, dtype=types.mat, device=device)
         self.pull = wp.zeros(n, dtype=types.mat, device=device)
+        self.inverted = wp.zeros(n, dtype=wp.int32, device=device)
 
     @property
     def passes(self) -> list[tuple[str, Pass]]:
         """The launches that evaluate the forces, in order: stresses, mean dilatations if any, then forces."""
         mean: list[tuple[str, Pass]] = [("mean", self._launch_mean), ("gather", self._launch_gather)]
         return [("stress", self._launch_stress), *(mean if self.dilatation.acts else []), ("force", self._launch_force)]
+
+    def gradients(self, state: ElasticState) -> wp.array:
+        """Displacement gradients H_i at the last evaluation of the stresses [-], shape [n, d, d]."""
+        return self.gradient
 
     def evaluate_stresses(self, state: ElasticState) -> None:
         """Launch all passes but the forces."""
@@ -151,8 +157,9 @@ class HamiltonianModel:
 
     def _launch_stress(self, state: ElasticState, first: int, count: int) -> None:
         pairs = [first, self.start, self.index, self.bond, self.weight]
-        inputs = [*pairs, self._inverse_shape, self._volume, self.kappa, *self.constants(), state.u]
-        outputs = [self.gradient, self.dilatation.dilatation, self.resistance, self.pull]
+        inputs = [*pairs, self._inverse_shape, self._volume, self.kappa, *self.constants()]
+        inputs += [int(self.dilatation.acts), state.u]
+        outputs = [self.gradient, self.dilatation.dilatation, self.resistance, self.pull, self.inverted]
         wp.launch(self._kernels.stress, count, inputs, outputs, device=self._device)
 
     def _launch_mean(self, state: ElasticState, first: int, count: int) -> None:

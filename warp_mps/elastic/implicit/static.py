@@ -121,11 +121,15 @@ class LoadSteps:
         last = self._reached - self._earlier
         self._part.fill_((factor - self._reached) / last if last > 0.0 else 0.0)
         self._launch(self._kernels.extrapolate_increment, [self._part, self._free, self._u_earlier], [state.u])
-        if not newton.solve(jumps=self._parts.boundary.supports_move):
+        self._parts.inversions.keep()
+        found = newton.solve(jumps=self._parts.boundary.supports_move)
+        self._parts.inversions.recall()
+        if not found:
             wp.copy(state.u, self._before[0])
             wp.copy(newton.applied, self._before[2])
             self._parts.evaluate_model()
             return False
+        self._parts.inversions.note(self._parts.model.gradients(state))
         inputs = [self._free, *self._before, state.u, state.force, newton.applied]
         self._launch(self._kernels.static_work, inputs, [self.work])
         wp.copy(self._u_earlier, self._before[0])

@@ -65,7 +65,7 @@ class ThetaStep:
         parts.external = self.external
         self.work = wp.zeros(parts.count, dtype=wp.float64, device=device)
         evolving = [state.u, state.v, state.force, state.driven, state.dissipated]
-        self._snapshot = Snapshot([*evolving, self._load, self.elastic, self.work])
+        self._snapshot = Snapshot([*evolving, self._load, self.elastic, self.work, parts.inversions.inverted])
 
     def start(self) -> None:
         """Evaluate the forces of the initial state, with which the first step begins."""
@@ -93,6 +93,7 @@ class ThetaStep:
         if not self.newton.solve(jumps=boundary.supports_move, measure=True, guess=self._guess, tolerance=tolerance):
             wp.copy(state.u, self._u_before)
             wp.copy(self._load, self._load_before)
+            parts.inversions.recall()
             self._complete()
             raise RunError(self._not_solved(time))
         self._replay("end", self._finish)
@@ -151,6 +152,7 @@ class ThetaStep:
         """The equation of the step."""
         parts, state, newton = self._parts, self._state, self.newton
         wp.copy(self._elastic_before, self.elastic)
+        parts.inversions.keep()
         inputs = [self._theta, parts.damping, self._length, parts.gravity, parts.mass, state.u, state.v, self._end]
         inputs += [self._load_before, self._load, self.external]
         outputs = [newton.inertia, self._u_before, newton.center, newton.target, self._given, newton.applied]
@@ -167,6 +169,7 @@ class ThetaStep:
         inputs = [self._theta, self._parts.damping, self._length, self._free, mass, self._u_before]
         inputs += [self._end, self._end_velocity, state.force, self._given, newton.applied]
         self._launch(self._kernels.extrapolate, inputs, [state.u, state.v, self.work, state.dissipated])
+        self._parts.inversions.recall()
         self._complete()
         inputs = [self._theta, self._u_before, self._elastic_before, state.u, self.elastic]
         self._launch(self._kernels.add_dissipation, inputs, [state.dissipated])

@@ -31,6 +31,7 @@ class SpringModel:
         bulk: V0 lambda / n^2 of each particle [N m].
         rotation: Rotation of the particles.
         pressure: V0 lambda (div u)_i / n_i of each particle [N m], shape [n].
+        inverted: 1 where J has been 0 or less; nothing here finds it, int32, shape [n].
         number_density: Number density that normalizes the operators of each particle, n0 or n_i [-], shape [n].
     """
 
@@ -68,6 +69,7 @@ class SpringModel:
         wp.launch(self.kernels.bonds, n, inputs, [self.bond, self.area, self.stiffness], device=device)
         bulk = self.volume * lame[:, 0] / self.number_density**2
         self.bulk = wp.array(bulk, dtype=types.real, device=device)
+        self.inverted = wp.zeros(n, dtype=wp.int32, device=device)
 
     @property
     def passes(self) -> list[tuple[str, Pass]]:
@@ -83,11 +85,16 @@ class SpringModel:
         """Pressure p_i = -lambda (div u)_i of each particle (eq. 14) [Pa], shape [n]."""
         return -self.pressure.numpy().astype(float) * self.number_density / self.volume
 
-    def stress_fields(self, state: ElasticState) -> StressFields:
-        """Stresses and strains of the deformation that fits the neighbours best."""
+    def gradients(self, state: ElasticState) -> wp.array:
+        """Displacement gradients that fit the neighbours best [-], shape [n, d, d]."""
         gradients = wp.empty(len(self.bulk), dtype=self._types.mat, device=self.device)
         inputs = [self.start, self.index, self.bond, self.area, state.u, self.rotation.q]
         wp.launch(stress_kernels(self._types).fit, len(gradients), inputs, [gradients], device=self.device)
+        return gradients
+
+    def stress_fields(self, state: ElasticState) -> StressFields:
+        """Stresses and strains of the deformation that fits the neighbours best."""
+        gradients = self.gradients(state)
         laws = wp.zeros(len(gradients), dtype=wp.int32, device=self.device)
         constants = [wp.array(values, dtype=self._types.real, device=self.device) for values in self._lame.T]
         constants = [laws, *constants, self._plane_stress]

@@ -11,20 +11,18 @@ from warp_mps.elastic import METHOD
 
 @functools.cache
 def inversion_kernels(types: NumericTypes) -> SimpleNamespace:
-    """Kernels `watch` and `tangles`."""
+    """Kernels `inversions` and `tangles`."""
     real, vec, mat = types.real, types.vec, types.mat
 
     @types.kernel(METHOD)
-    def watch(
-        # Model:
-        first: wp.int32,  # first particle of this launch
+    def inversions(
         # State in:
         gradient: wp.array(dtype=mat),  # displacement gradients H_i [-], [n]
         # State in and out:
-        inverted: wp.array(dtype=wp.int32),  # 1 where J_i has ever been 0 or less, [n]
+        inverted: wp.array(dtype=wp.int32),  # 1 where J_i is or has been 0 or less, [n]
     ):
-        """Note J_i <= 0, which a later step could hide."""
-        i = first + wp.tid()
+        """Note J_i <= 0."""
+        i = wp.tid()
         if wp.determinant(gradient[i] + wp.identity(n=wp.static(types.dimension), dtype=real)) <= real(0.0):
             inverted[i] = 1
 
@@ -48,4 +46,4 @@ def inversion_kernels(types: NumericTypes) -> SimpleNamespace:
             if wp.dot(bond[k] + (u[index[k]] - u[i]), wanted) <= real(0.0):
                 tangled[i] = 1
 
-    return SimpleNamespace(watch=watch, tangles=tangles)
+    return SimpleNamespace(inversions=inversions, tangles=tangles)
