@@ -55,9 +55,7 @@ class Damped:
 @pytest.mark.parametrize("nu", [0.3, 0.49])
 @pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize(("dimension", "plane"), PLANES)
-def test_at_rest_the_force_is_that_of_the_rate_of_displacement(
-    dimension: int, plane: str, law: str, nu: float
-) -> None:
+def test_at_rest_the_force_is_that_of_the_rate_of_displacement(dimension: int, plane: str, law: str, nu: float) -> None:
     """It is tau times the elastic force that the velocities make in a unit of time, with all that controls modes."""
     damped = Damped(irregular(dimension, plane=plane, law=law, nu=nu))
     velocities = random(damped.particles.count, dimension, seed=2)

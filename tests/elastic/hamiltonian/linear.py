@@ -5,8 +5,8 @@ displacements:
 
     W = sum_i V_i (mu eps_i : eps_i + lambda/2 tr(eps_i)^2) + sum_ij 1/2 kappa_i omega_ij |u_ij - H_i X_ij|^2
 
-Beyond 4 mu, lambda acts on the mean of tr(eps) over the neighbours of the same material, unless it is plane stress, with
-the weights w scaled to a symmetric matrix whose rows add up to 1; and the control is weaker.
+Beyond 4 mu, lambda acts on the mean of tr(eps) over the neighbours of the same material, unless it is plane stress,
+with the weights w scaled to a symmetric matrix whose rows add up to 1; and the control is weaker.
 """
 
 from __future__ import annotations

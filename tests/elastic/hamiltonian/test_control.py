@@ -22,7 +22,7 @@ def compressed(held: Strained, stretch: float = 0.6) -> np.ndarray:
 
 
 def test_the_control_is_weaker_where_lambda_acts_on_means() -> None:
-    """c = 1 - 0.22 (1 - 4 mu/lambda)^2."""
+    """Its factor is 1 - 0.22 (1 - 4 mu/lambda)^2."""
     for nu, expected in ((0.3, 1.0), (0.4, 1.0), (0.45, 1 - 0.22 * (5 / 9) ** 2), (0.49, 1 - 0.22 * (45 / 49) ** 2)):
         material = Material(1000.0, 1e7, nu)
         lame, _ = lame_constants(material, 3, "strain")
@@ -34,7 +34,7 @@ def test_the_control_is_weaker_where_lambda_acts_on_means() -> None:
 @pytest.mark.parametrize("stretch", [0.95, 0.8, 0.5, 0.1])
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_the_control_grows_below_nine_tenths_of_the_volume(dimension: int, stretch: float) -> None:
-    """kappa grows by 1 + 30 (0.9 - J)^3."""
+    """Its stiffness is multiplied by 1 + 30 (0.9 - J)^3."""
     held = strain(scene_of(block(dimension), dimension=dimension, elasticity=HAMILTONIAN))
     flat = np.diag([stretch, 1.0, 1.0][:dimension]) - np.eye(dimension)
     held.put(held.particles.positions @ flat)
@@ -45,7 +45,9 @@ def test_the_control_grows_below_nine_tenths_of_the_volume(dimension: int, stret
 @pytest.mark.parametrize("nu", [0.3, 0.49])
 @pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize(("dimension", "plane"), PLANES)
-def test_compressed_forces_are_minus_the_gradient_of_the_energy(dimension: int, plane: str, law: str, nu: float) -> None:
+def test_compressed_forces_are_minus_the_gradient_of_the_energy(
+    dimension: int, plane: str, law: str, nu: float
+) -> None:
     held = strain(irregular(dimension, plane=plane, law=law, nu=nu))
     displacements = compressed(held)
     expected = differences(held, displacements)

@@ -39,7 +39,7 @@ def differences(held: Strained, displacements: np.ndarray, step: float = 1e-7) -
 
 @pytest.mark.parametrize(("nu", "share"), [(0.3, 0.0), (0.4, 0.0), (0.45, 5.0 / 9.0), (0.49, 45.0 / 49.0)])
 def test_lambda_beyond_four_mu_acts_on_the_mean(nu: float, share: float) -> None:
-    """lambda / mu is 2 nu / (1 - 2 nu); in plane stress nothing keeps the volume."""
+    """The ratio lambda / mu is 2 nu / (1 - 2 nu); in plane stress nothing keeps the volume."""
     material = Material(1000.0, 1e7, nu)
     lame, _ = law_constants(material, 3, "strain")
     assert mean_lame(material, 3, "strain") / lame == pytest.approx(share, abs=1e-12)
@@ -114,7 +114,7 @@ def test_means_are_of_neighbours_of_the_same_material() -> None:
     held.put(strained_state(held))
     own, mean = held.model.dilatation.dilatation.numpy(), held.model.dilatation.mean.numpy()
     left = held.particles.bodies == 0
-    i, j, bond, w = pairs_of(scene, held.particles)
+    i, j, _, w = pairs_of(scene, held.particles)
     same = left[i] & left[j]
     weights = sp.csr_matrix((w[same], (i[same], j[same])), (len(own), len(own)))
     np.testing.assert_allclose(mean[left], (balanced(weights) @ own)[left], rtol=1e-12)

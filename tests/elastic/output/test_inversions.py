@@ -98,7 +98,12 @@ def cantilever(rows: int, *, youngs: float, control: float, law: str = "neo_hook
     bar = Body(name="bar", shape=shape, material=material, spacing=1.0 / rows, node_axes=(0,))
     clamp = Support(name="clamp", region=Box((0.5 / rows, 2.0)))
     return scene_of(
-        bar, plane="strain", supports=(clamp,), gravity=(0.0, -9.8), duration=2.0, elasticity=Elasticity(control=control)
+        bar,
+        plane="strain",
+        supports=(clamp,),
+        gravity=(0.0, -9.8),
+        duration=2.0,
+        elasticity=Elasticity(control=control),
     )
 
 
@@ -114,7 +119,7 @@ def test_the_remedy_of_a_folded_bar_works() -> None:
 def test_a_fine_soft_cantilever_keeps_its_order() -> None:
     """With 32 rows and the default settings it swings as finite elements do (16 rows of bilinear ones, 128 columns).
 
-    Their tip is at -0.196, -1.009, -2.196, -3.091, -3.697, -3.721, -3.614, -3.647, -3.420 and -2.659 m after each 0.2 s.
+    Their tip is at -1.009, -2.196, -3.091, -3.697, -3.721, -3.614, -3.647, -3.420 and -2.659 m from 0.4 to 2 s.
     """
     simulation = watched(cantilever(32, youngs=1e6, control=0.5))
     x = simulation.particles.positions

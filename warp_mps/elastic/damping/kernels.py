@@ -5,7 +5,7 @@ They come from one dissipation function, which is to the rates what the energy o
 
     D = sum_i V_i tau (mu E'_i : E'_i + lambda/2 tr(E'_i)^2) + sum_i sum_j 1/2 tau kappa_i omega_ij |c'_ij|^2
 
-and V_i tau lambda'_i / 2 times the square of the mean of tr(E') where a part lambda' of lambda acts on mean dilatations.
+and V_i tau lambda'_i / 2 times the square of the mean of tr(E') where a part lambda' of lambda acts on means.
 tau is the material's retardation time and E' the rate of the Green-Lagrange strain. c_ij = F_i^T e_ij is the deviation
 that the hourglass control resists, in the frame of the body. F' is fitted to the neighbours' velocities as F is to
 their displacements. Small motion about rest then has a damping matrix of tau times its stiffness matrix: a mode of

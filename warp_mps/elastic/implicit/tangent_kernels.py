@@ -8,8 +8,8 @@ and the forces by -K du,
 
     (K du)_i = -sum_j omega_ij [(dB_i + dB_j) X_ij + (kappa_i + kappa_j) du_ij]
 
-In a strongly compressed neighbourhood, J < FIRM_BELOW, the control changes as well (with g, J F^-T and the sum of squares
-S_i = sum_j omega_ij |e_ij|^2 of `warp_mps.elastic.hamiltonian.control`):
+In a strongly compressed neighbourhood, J < FIRM_BELOW, the control changes as well, with g(J) and the sum of squares
+S_i = sum_j omega_ij |e_ij|^2 of `warp_mps.elastic.hamiltonian.control`:
 
     dJ = (J F^-T) : dH,   dS = 2 sum_j omega_ij e_ij . du_ij
     dB_i += -kappa_i g' dJ H_i + kappa_i/2 [(g'' dJ S + g' dS) J F^-T + g' S d(J F^-T)] A_i^-1

@@ -81,7 +81,7 @@ class Inversions:
         if elasticity.model != "hamiltonian":
             return "the model 'hamiltonian' with the law 'neo_hookean' resists more"
         if law == "st_venant_kirchhoff":
-            return "this law softens in compression: give its material mps:law = \"neo_hookean\""
+            return 'this law softens in compression: give its material mps:law = "neo_hookean"'
         if elasticity.control < FIRM_CONTROL:
             return f"raise mps:control from {elasticity.control:.3g} to {FIRM_CONTROL:g}"
         return "reduce the load, or make the body stiffer"

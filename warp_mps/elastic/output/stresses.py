@@ -167,7 +167,9 @@ def stress_fields(
     """
     tensor = wp.types.matrix(shape=(3, 3), dtype=types.real)
     outputs = [wp.empty(len(gradients), dtype=tensor, device=device) for _ in range(2)]
-    wp.launch(stress_kernels(types).fields, len(gradients), [*constants, gradients, mean_stresses], outputs, device=device)
+    wp.launch(
+        stress_kernels(types).fields, len(gradients), [*constants, gradients, mean_stresses], outputs, device=device
+    )
     return StressFields(*(values.numpy().astype(float) for values in outputs))
 
 
