@@ -8,6 +8,7 @@ import numpy as np
 
 from warp_mps.errors import InputError
 from warp_mps.particles.displaced_fluid import Solid, kept_of_fluid
+from warp_mps.particles.met_faces import fit_of
 from warp_mps.particles.overlaps import OVERLAP, refuse_loose_bonds, refuse_overlap
 from warp_mps.particles.particles import Particles
 from warp_mps.particles.selection import REGION_TOLERANCE
@@ -27,7 +28,12 @@ def count_particles(scene: Scene) -> dict[str, int]:
     """Number of particles of each body, wall and fluid, at most, found without filling anything."""
     return {
         item.name: particle_count(
-            item.shape, item.spacing, scene.dimension, item.node_axes, where=place(item, kind_of(item))
+            item.shape,
+            item.spacing,
+            scene.dimension,
+            item.node_axes,
+            fit=fit_of(scene, item),
+            where=place(item, kind_of(item)),
         )
         for item in scene.filled
     }
@@ -77,10 +83,15 @@ def fill_scene(scene: Scene) -> Particles:
     return particles
 
 
+def _lattice(scene: Scene, item: Body | Wall | Fluid) -> np.ndarray:
+    """Positions of the particles that fill a shape [m], shape [n, dimension]."""
+    where, fit = place(item, kind_of(item)), fit_of(scene, item)
+    return fill(item.shape, item.spacing, scene.dimension, node_axes=item.node_axes, fit=fit, where=where)
+
+
 def _fill_body(scene: Scene, body: Body) -> Filled:
     """Fill an elastic body."""
-    where = place(body, kind_of(body))
-    positions = fill(body.shape, body.spacing, scene.dimension, node_axes=body.node_axes, where=where)
+    positions = _lattice(scene, body)
     return _started(scene, body, positions, np.ones(len(positions), bool))
 
 
@@ -88,8 +99,7 @@ def _fill_fluids(scene: Scene, solids: Sequence[Solid]) -> tuple[list[Filled], t
     """Fill the fluids, which give way to solids; and which particles of them did, as in `Particles.displaced`."""
     parts, displaced = [], []
     for fluid in scene.fluids:
-        where = place(fluid, kind_of(fluid))
-        positions = fill(fluid.shape, fluid.spacing, scene.dimension, node_axes=fluid.node_axes, where=where)
+        positions = _lattice(scene, fluid)
         kept, rows = kept_of_fluid(fluid, positions, solids)
         parts.append(_started(scene, fluid, positions, kept))
         displaced += rows
@@ -118,13 +128,14 @@ def _fill_walls(scene: Scene) -> list[Filled]:
     """Fill the walls, at rest; where a wall shares space with earlier ones, their particles stay and its own go."""
     parts: list[Filled] = []
     for wall in scene.walls:
-        where = place(wall, "wall")
-        positions = fill(wall.shape, wall.spacing, scene.dimension, node_axes=wall.node_axes, where=where)
+        positions = _lattice(scene, wall)
         for other, (others, _, _) in zip(scene.walls, parts, strict=False):
             same = contains(Points(others), positions, OVERLAP * 0.5 * (wall.spacing + other.spacing))
             positions = positions[~same]
             if not len(positions):
-                raise InputError(where, "shape", f"lies inside {place(other, 'wall')}: nothing of it is left")
+                raise InputError(
+                    place(wall, "wall"), "shape", f"lies inside {place(other, 'wall')}: nothing of it is left"
+                )
         positions = positions[_cell_order(positions, wall.spacing * scene.elasticity.effective_radius)]
         parts.append((positions, np.zeros_like(positions), np.zeros((len(positions), 2 * scene.dimension - 3))))
     return parts

@@ -5,6 +5,7 @@ They are united, subtracted and intersected by ``|``, ``-`` and ``&``, and place
 """
 
 from warp_mps.shapes.filling import contains, fill, particle_count
+from warp_mps.shapes.grid import Fit, Grid, grid_of
 from warp_mps.shapes.mesh import Mesh
 from warp_mps.shapes.points import Points
 from warp_mps.shapes.primitives import Box, Cylinder, Sphere
@@ -14,6 +15,8 @@ __all__ = [
     "Box",
     "Cylinder",
     "Difference",
+    "Fit",
+    "Grid",
     "Intersection",
     "Mesh",
     "Points",
@@ -22,5 +25,6 @@ __all__ = [
     "Union",
     "contains",
     "fill",
+    "grid_of",
     "particle_count",
 ]

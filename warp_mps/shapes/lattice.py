@@ -2,7 +2,40 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
+
+# In particle spacings: lengths that differ by less count as equal. It is far above the rounding of coordinates in
+# single precision, as of the points of a mesh, and far below what matters.
+FIT_TOLERANCE = 1e-3
+
+
+@dataclass(frozen=True)
+class Line:
+    """Evenly spaced particles along an axis.
+
+    Attributes:
+        centre: Their middle [m].
+        count: Their number.
+        step: Distance between them [m].
+    """
+
+    centre: float
+    count: int
+    step: float
+
+    def coordinates(self) -> np.ndarray:
+        """Their coordinates, symmetric about the centre [m], shape [count]."""
+        return self.centre + (np.arange(self.count) - 0.5 * (self.count - 1)) * self.step
+
+    def continued(self, low: float, high: float) -> Line:
+        """The line from one coordinate to another [m], continued or cut; its count is below 1 where nothing is left."""
+        start = self.centre - 0.5 * (self.count - 1) * self.step
+        first = int(np.ceil((low - start) / self.step - FIT_TOLERANCE))
+        last = int(np.floor((high - start) / self.step + FIT_TOLERANCE))
+        # the centre moves by half the number of cells gained at one end and lost at the other: 0 for an equal extent
+        return Line(self.centre + 0.5 * (first + last - (self.count - 1)) * self.step, last - first + 1, self.step)
 
 
 def cells(extent: float, spacing: float, *, whole: bool, nodes: bool) -> int:
@@ -24,12 +57,30 @@ def cells(extent: float, spacing: float, *, whole: bool, nodes: bool) -> int:
     if nodes:
         return round(ratio) + 1
     # A length that is a multiple of the spacing but for rounding must not gain a cell.
-    return round(ratio) if whole else int(np.ceil(ratio - 1e-6))
+    return round(ratio) if whole else int(np.ceil(ratio - FIT_TOLERANCE))
 
 
-def coordinates(centre: float, count: int, spacing: float) -> np.ndarray:
-    """Coordinates of `count` particles, symmetric about the centre [m], shape [count]."""
-    return centre + (np.arange(count) - 0.5 * (count - 1)) * spacing
+def is_multiple(extent: float, spacing: float) -> bool:
+    """Whether a length is a whole number of spacings."""
+    return abs(extent / spacing - round(extent / spacing)) <= FIT_TOLERANCE
+
+
+def anchored(low: float, high: float, count: int, step: float, ends: tuple[bool, bool]) -> Line:
+    """Particles that lie half a step inside one of two ends, or about their middle if both or neither is to be met.
+
+    Args:
+        low: The one end [m].
+        high: The other [m].
+        count: Number of particles.
+        step: Distance between them [m].
+        ends: Whether the low and the high end are to be met.
+    """
+    reach = 0.5 * count * step
+    if ends == (True, False):
+        return Line(low + reach, count, step)
+    if ends == (False, True):
+        return Line(high - reach, count, step)
+    return Line(0.5 * (low + high), count, step)
 
 
 def product(lines: list[np.ndarray]) -> np.ndarray:
