@@ -8,7 +8,7 @@ import numpy as np
 
 from warp_mps.errors import InputError
 from warp_mps.particles.displaced_fluid import Solid, kept_of_fluid
-from warp_mps.particles.met_faces import fit_of
+from warp_mps.particles.met_faces import Fits
 from warp_mps.particles.overlaps import OVERLAP, refuse_loose_bonds, refuse_overlap
 from warp_mps.particles.particles import Particles
 from warp_mps.particles.selection import REGION_TOLERANCE
@@ -26,13 +26,14 @@ Filled = tuple[np.ndarray, np.ndarray, np.ndarray]
 
 def count_particles(scene: Scene) -> dict[str, int]:
     """Number of particles of each body, wall and fluid, at most, found without filling anything."""
+    fits = Fits(scene)
     return {
         item.name: particle_count(
             item.shape,
             item.spacing,
             scene.dimension,
             item.node_axes,
-            fit=fit_of(scene, item),
+            fit=fits.of(item),
             where=place(item, kind_of(item)),
         )
         for item in scene.filled
@@ -48,9 +49,10 @@ def fill_scene(scene: Scene) -> Particles:
         InputError: A body, wall or fluid is thinner than one particle, a body overlaps another or a wall, fluids
             overlap, nothing of a fluid is left beside bodies and walls, or a part holds no particle.
     """
-    dry = [*(_fill_body(scene, body) for body in scene.bodies), *_fill_walls(scene)]
+    fits = Fits(scene)
+    dry = [*(_fill_body(scene, body, fits) for body in scene.bodies), *_fill_walls(scene, fits)]
     solids: list[Body | Wall] = [*scene.bodies, *scene.walls]
-    wet, displaced = _fill_fluids(scene, [(solid, part[0]) for solid, part in zip(solids, dry, strict=True)])
+    wet, displaced = _fill_fluids(scene, [(solid, part[0]) for solid, part in zip(solids, dry, strict=True)], fits)
     parts = [*dry, *wet]
     counts = np.array([len(positions) for positions, _, _ in parts])
     ends = np.cumsum(counts)
@@ -83,23 +85,25 @@ def fill_scene(scene: Scene) -> Particles:
     return particles
 
 
-def _lattice(scene: Scene, item: Body | Wall | Fluid) -> np.ndarray:
+def _lattice(scene: Scene, item: Body | Wall | Fluid, fits: Fits) -> np.ndarray:
     """Positions of the particles that fill a shape [m], shape [n, dimension]."""
-    where, fit = place(item, kind_of(item)), fit_of(scene, item)
-    return fill(item.shape, item.spacing, scene.dimension, node_axes=item.node_axes, fit=fit, where=where)
+    where = place(item, kind_of(item))
+    return fill(item.shape, item.spacing, scene.dimension, node_axes=item.node_axes, fit=fits.of(item), where=where)
 
 
-def _fill_body(scene: Scene, body: Body) -> Filled:
+def _fill_body(scene: Scene, body: Body, fits: Fits) -> Filled:
     """Fill an elastic body."""
-    positions = _lattice(scene, body)
+    positions = _lattice(scene, body, fits)
     return _started(scene, body, positions, np.ones(len(positions), bool))
 
 
-def _fill_fluids(scene: Scene, solids: Sequence[Solid]) -> tuple[list[Filled], tuple[tuple[str, str, int], ...]]:
+def _fill_fluids(
+    scene: Scene, solids: Sequence[Solid], fits: Fits
+) -> tuple[list[Filled], tuple[tuple[str, str, int], ...]]:
     """Fill the fluids, which give way to solids; and which particles of them did, as in `Particles.displaced`."""
     parts, displaced = [], []
     for fluid in scene.fluids:
-        positions = _lattice(scene, fluid)
+        positions = _lattice(scene, fluid, fits)
         kept, rows = kept_of_fluid(fluid, positions, solids)
         parts.append(_started(scene, fluid, positions, kept))
         displaced += rows
@@ -124,11 +128,11 @@ def _started(scene: Scene, item: Body | Fluid, positions: np.ndarray, kept: np.n
     return positions[order], velocities[order], rates[order]
 
 
-def _fill_walls(scene: Scene) -> list[Filled]:
+def _fill_walls(scene: Scene, fits: Fits) -> list[Filled]:
     """Fill the walls, at rest; where a wall shares space with earlier ones, their particles stay and its own go."""
     parts: list[Filled] = []
     for wall in scene.walls:
-        positions = _lattice(scene, wall)
+        positions = _lattice(scene, wall, fits)
         for other, (others, _, _) in zip(scene.walls, parts, strict=False):
             same = contains(Points(others), positions, OVERLAP * 0.5 * (wall.spacing + other.spacing))
             positions = positions[~same]

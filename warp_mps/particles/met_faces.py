@@ -7,7 +7,8 @@ faces that matter are those that meet something:
              looks up where anything reaches above it, for water may come over it. The outer faces of a tank do not.
     fluids:  a face with a body, a wall or another fluid within half a spacing, and one on a face of a periodic domain.
 
-Bodies keep the lattice centred on them.
+Bodies keep the lattice centred on them. Walls continue the lattice of the water along their faces, so that their
+particles face each other: half a spacing beside it the number density of water in 3-D is 0.7 % lower, and it settles.
 """
 
 from __future__ import annotations
@@ -17,7 +18,8 @@ import functools
 import numpy as np
 
 from warp_mps.scene import Body, Fluid, Scene, Wall
-from warp_mps.shapes import Fit, Points, contains
+from warp_mps.scene.validation.rules import kind_of, place
+from warp_mps.shapes import Box, Fit, Grid, Points, contains, grid_of
 
 # in particle spacings: what reaches no further beyond a face, or beside it, counts as flush with it; how near a fluid
 # must be to what it lies on
@@ -28,13 +30,36 @@ LOOKS_UP = 0.5
 SAMPLES = 24
 
 
-def fit_of(scene: Scene, item: Body | Wall | Fluid) -> Fit | None:
-    """How the lattice of a wall or a fluid meets what lies at its faces; None for a body."""
-    if isinstance(item, Wall):
-        return Fit(ends=functools.partial(_faces_of_wall, scene, item), keeps="face")
-    if isinstance(item, Fluid):
-        return Fit(ends=functools.partial(_faces_of_fluid, scene, item), keeps="volume")
-    return None
+class Fits:
+    """How the lattices of a scene's walls and fluids meet what lies at their faces.
+
+    Args:
+        scene: The case.
+    """
+
+    def __init__(self, scene: Scene) -> None:
+        self._scene = scene
+
+    def of(self, item: Body | Wall | Fluid) -> Fit | None:
+        """That of a body (None), a wall or a fluid."""
+        if isinstance(item, Wall):
+            return Fit(ends=functools.partial(_faces_of_wall, self._scene, item), keeps="face", guides=self._water)
+        if isinstance(item, Fluid):
+            return Fit(ends=functools.partial(_faces_of_fluid, self._scene, item), keeps="volume")
+        return None
+
+    def grid(self, item: Body | Wall | Fluid) -> Grid:
+        """The lattice that fills a body, wall or fluid."""
+        where = place(item, kind_of(item))
+        return grid_of(item.shape, item.spacing, self._scene.dimension, item.node_axes, where, self.of(item))
+
+    def _water(self) -> list[Grid]:
+        """Lattices of the boxes of water, which walls continue."""
+        return self._grids
+
+    @functools.cached_property
+    def _grids(self) -> list[Grid]:
+        return [self.grid(fluid) for fluid in self._scene.fluids if isinstance(fluid.shape, Box)]
 
 
 def _faces_of_wall(scene: Scene, wall: Wall, axes: np.ndarray, intervals: np.ndarray) -> np.ndarray:

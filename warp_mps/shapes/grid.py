@@ -10,12 +10,15 @@ import numpy as np
 
 from warp_mps.errors import InputError
 from warp_mps.shapes import closed_surface, lattice
-from warp_mps.shapes.lattice import Line, anchored, is_multiple
+from warp_mps.shapes.lattice import FIT_TOLERANCE, Line, anchored, is_multiple
 from warp_mps.shapes.mesh import Mesh
 from warp_mps.shapes.primitives import Box
 from warp_mps.shapes.shape import Difference, Intersection, Shape, Union
 
 BLOCK = 500_000
+# in steps: how near to the end of a shape that meets nothing a particle may lie, and how near to each other ends are
+# that count as one
+FREE_END = 0.25
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -31,10 +34,13 @@ class Fit:
         keeps: What does not change where the spacing does. ``face``: the outermost particles lie half of the
             given spacing inside both faces (a wall). ``volume``: they lie half a step inside, and the spacing along
             the other axes makes up for the volume of a particle (a fluid).
+        guides: Lattices beside it. Along an axis without a face to meet, or with one at which a guide begins or ends
+            too, it continues the first guide along that axis, so that the particles of both face each other.
     """
 
     ends: Callable[[np.ndarray, np.ndarray], np.ndarray]
     keeps: Literal["face", "volume"]
+    guides: Callable[[], Sequence[Grid]] = tuple
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -117,31 +123,65 @@ def _own_grid(
 
 
 def _fitted(grid: Grid, fit: Fit, spacing: float) -> Grid:
-    """The lattice of a box that meets what lies at its faces; unchanged along axes of a whole number of spacings."""
+    """The lattice of a box that meets what lies at its faces; unchanged where it does so already."""
     extents = grid.intervals[:, 1] - grid.intervals[:, 0]
     exact = [on or is_multiple(extent, spacing) for extent, on in zip(extents, grid.nodes, strict=True)]
-    if all(exact):
+    guides = fit.guides()
+    if all(exact) and not guides:
         return grid
     met: list[list[bool]] = np.asarray(fit.ends(grid.axes, grid.intervals), bool).tolist()
-    counts, steps = list(grid.counts), np.full(len(exact), spacing)
+    steps = _steps(grid, fit, spacing, exact, met)
+    lines = []
+    for k, (line, (low, high), step) in enumerate(zip(grid.lines, grid.intervals.tolist(), steps, strict=True)):
+        guide = _guide(grid, k, met[k], guides, spacing) if not grid.nodes[k] and not all(met[k]) else None
+        if guide is not None and not (exact[k] and _in_phase(line, guide)):
+            lines.append(guide.continued(low + FREE_END * guide.step, high - FREE_END * guide.step))
+        elif exact[k] and step == spacing:
+            lines.append(line)
+        else:
+            count = line.count if step == spacing or all(met[k]) else max(1, round(extents[k] / step))
+            lines.append(anchored(low, high, count, step, (met[k][0], met[k][1])))
+    return replace(grid, lines=tuple(lines))
+
+
+def _steps(grid: Grid, fit: Fit, spacing: float, exact: list[bool], met: list[list[bool]]) -> list[float]:
+    """Distances between the particles of a fitted lattice along its axes [m]."""
+    extents = grid.intervals[:, 1] - grid.intervals[:, 0]
+    steps = np.full(len(exact), spacing)
     between = [k for k, fine in enumerate(exact) if not fine and all(met[k])]
-    free = [k for k, on in enumerate(grid.nodes) if not on and not all(met[k])]
     for k in between:
+        count = grid.counts[k]
         if fit.keeps == "volume":
-            steps[k] = extents[k] / counts[k]
-        elif counts[k] > 1:
-            steps[k] = (extents[k] - spacing) / (counts[k] - 1)
+            steps[k] = extents[k] / count
+        elif count > 1:
+            steps[k] = (extents[k] - spacing) / (count - 1)
+    free = [k for k, on in enumerate(grid.nodes) if not on and not all(met[k])]
     if fit.keeps == "volume" and between and free:
         steps[free] = spacing * np.prod(spacing / steps) ** (1.0 / len(free))
-        for k in free:
-            counts[k] = max(1, round(float(extents[k] / steps[k])))
-    lines = []
-    for k, (line, (low, high), step) in enumerate(
-        zip(grid.lines, grid.intervals.tolist(), steps.tolist(), strict=True)
-    ):
-        same = exact[k] and step == spacing
-        lines.append(line if same else anchored(low, high, counts[k], step, (met[k][0], met[k][1])))
-    return replace(grid, lines=tuple(lines))
+    return [float(step) for step in steps]
+
+
+def _guide(grid: Grid, axis: int, met: list[bool], guides: Sequence[Grid], spacing: float) -> Line | None:
+    """The line that a lattice continues along an axis, if there is one."""
+    for other in guides:
+        parallel = np.abs(grid.axes[:, axis] @ other.axes)
+        own = int(np.argmax(parallel))
+        if parallel[own] < 1.0 - 1e-9:
+            continue
+        forwards = bool(grid.axes[:, axis] @ other.axes[:, own] > 0.0)
+        low, high = other.intervals[own] if forwards else -other.intervals[own][::-1]
+        line = other.lines[own] if forwards else replace(other.lines[own], centre=-other.lines[own].centre)
+        flush = abs(np.array([low, high]) - grid.intervals[axis]) <= FREE_END * spacing
+        if all(flush[met]):
+            return line
+    return None
+
+
+def _in_phase(line: Line, guide: Line) -> bool:
+    """Whether the particles of two lines lie at the same places, as far as both reach."""
+    shift = (line.coordinates()[0] - guide.coordinates()[0]) / guide.step
+    drift = line.count * abs(line.step / guide.step - 1.0)
+    return abs(shift - round(shift)) + drift <= FIT_TOLERANCE
 
 
 def _axes(shape: Shape, dimension: int) -> tuple[tuple[int, ...], np.ndarray, bool]:
