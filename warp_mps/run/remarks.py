@@ -2,11 +2,18 @@
 
 from __future__ import annotations
 
+from warp_mps.particles.misfits import remarks_on_misfits
 from warp_mps.particles.particles import Particles
+from warp_mps.particles.unheld_fluid import remarks_on_unheld_fluid
 from warp_mps.scene import Scene
 from warp_mps.scene.validation.fluids import remarks as remarks_on_fluids
 
 
 def remarks_on_case(scene: Scene, particles: Particles) -> list[str]:
     """Remarks on a scene and on the particles that fill it, a line each: what it is about, the number, the remedy."""
-    return [*remarks_on_fluids(scene), *particles.remarks()]
+    return [
+        *remarks_on_fluids(scene),
+        *particles.remarks(),
+        *remarks_on_misfits(scene),
+        *remarks_on_unheld_fluid(scene, particles),
+    ]

@@ -48,6 +48,7 @@ class Grid:
     """The lattice that covers a shape.
 
     Attributes:
+        numbers: Axes of the shape, 0 to 2 for x to z, that the directions of the lattice are.
         axes: Unit directions of the lattice as columns, shape [3, axes].
         lines: Where its particles lie along them.
         nodes: Whether the outermost particles lie on the faces, one flag an axis.
@@ -55,6 +56,7 @@ class Grid:
         fits: Whether every particle of the lattice is one of the shape's.
     """
 
+    numbers: tuple[int, ...]
     axes: np.ndarray
     lines: tuple[Line, ...]
     nodes: tuple[bool, ...]
@@ -118,7 +120,7 @@ def _own_grid(
             text = f"{spacing:g} m is too large: the shape is {extent}, thinner than one particle"
             raise InputError(where, "spacing", text)
     lines = tuple(Line(0.5 * (low + high), n, spacing) for (low, high), n in zip(intervals, counts, strict=True))
-    grid = Grid(axes=axes, lines=lines, nodes=nodes, intervals=np.array(intervals), fits=fits)
+    grid = Grid(numbers=numbers, axes=axes, lines=lines, nodes=nodes, intervals=np.array(intervals), fits=fits)
     return _fitted(grid, fit, spacing) if fit and fits else grid
 
 

@@ -1,0 +1,49 @@
+"""Remarks on boxes whose size is no whole number of spacings."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from tests.particles.test_met_faces import L0, cells, tank, wall
+from tests.scenes import block, scene_of
+from warp_mps.particles.misfits import misfits, remarks_on_misfits
+from warp_mps.shapes import Box
+
+
+@pytest.mark.parametrize("thickness", [3.0, 3.45])
+def test_dry_faces_and_whole_numbers_of_spacings_are_not_remarked(thickness: float) -> None:
+    assert remarks_on_misfits(tank(thickness, 20.0, 10.0)) == []
+
+
+def test_the_level_of_water_is_remarked_with_depths_that_fit() -> None:
+    """Columns 0.9824 spacings apart make rows 1.0179 apart: 11 reach up to 11.197 of 11.4 spacings."""
+    scene = tank(3.0, 24.56, 11.4)
+    (line,) = remarks_on_misfits(scene)
+    assert line.startswith("fluid 'water': is 11.4 spacings along y and takes 11: the face at the high end lies 0.20")
+    assert "(0.0101 m) inside of the drawn one; 0.559853 or 0.610749 m would fit" in line
+    for depth in (0.559853, 0.610749):
+        water = replace(scene.fluids[0], shape=cells([0.0, 0.0], [24.56, depth / L0]))
+        assert remarks_on_misfits(replace(scene, fluids=(water,))) == []
+
+
+def test_a_wall_that_is_wet_on_both_sides_is_remarked() -> None:
+    scene = tank(3.0, 24.0, 10.0, wall("baffle", [10.0, 0.0], [13.45, 20.0]), wall("thin", [18.0, 0.0], [19.4, 20.0]))
+    baffle, thin = remarks_on_misfits(scene)
+    assert baffle.startswith(
+        "wall 'baffle': is 3.45 spacings along x and takes 3: its rows are 1.22 spacings apart, and"
+    )
+    assert baffle.endswith("settles by some 0.11 spacings; 0.15 or 0.2 m would fit")
+    assert "is 1.4 spacings along x and takes 1: both faces lie 0.20 spacings (0.01 m) inside of the drawn" in thin
+
+
+def test_a_body_keeps_its_lattice_and_is_remarked() -> None:
+    body = block(2, shape=Box((0.0445, 0.03)))
+    found, other = misfits(scene_of(body))
+    assert (found.axis, found.count, found.step, found.met) == ("x", 4, 1.0, (True, True))
+    assert found.offsets == pytest.approx((-0.225, -0.225))
+    assert other.offsets == pytest.approx((0.0, 0.0), abs=1e-9)
+    (line,) = remarks_on_misfits(scene_of(body))
+    assert line.startswith("body 'block': is 4.45 spacings along x and takes 4: both faces lie 0.2")
+    assert remarks_on_misfits(scene_of(block(2))) == []
