@@ -37,9 +37,7 @@ def remarks_on_unheld_fluid(scene: Scene, particles: Particles) -> list[str]:
         where = place(fluid, "fluid")
         if falls.any():
             at = _point(x[np.argmax(falls)])
-            lines.append(
-                f"{where}: {falls.sum()} of its particles have nothing below them, as at {at} m: they fall out"
-            )
+            lines.append(f"{where}: {falls.sum()} particles have nothing below them, as at {at} m: they fall out")
         for axis in (k for k in range(scene.dimension) if k != vertical and k not in scene.flow.periodic):
             stands = np.flatnonzero(depth < STANDS * spacing)
             for side in (-1, 1):

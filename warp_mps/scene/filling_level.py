@@ -38,8 +38,8 @@ def fill_to(
         up: Axis that points up, ``y`` or ``z``.
 
     Returns:
-        The fluid. Its lattice begins half a spacing above the lowest point of the tank or the region, and ends half a
-        spacing below the level if the depth is a whole number of spacings.
+        The fluid. In a tank its particles lie evenly between the walls, and begin at the bottom; where the depth is no
+        whole number of their distances, `check` remarks how far from the level the uppermost ones end.
 
     Raises:
         InputError: The level is not in the tank or the region, or the walls are not boxes along the axes that hold the

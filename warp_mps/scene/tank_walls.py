@@ -39,8 +39,8 @@ def tank(
     """The walls of a rectangular tank, whose inner faces lie exactly at its corners.
 
     The walls are ``bottom``, ``top``, ``left``, ``right`` and, in 3-D, ``front`` and ``back``, but for the open ones.
-    They meet without sharing space: bottom and top reach out below and above the others. Lengths that are whole numbers
-    of the spacing let a fluid fit between them.
+    They meet without sharing space: bottom and top reach out below and above the others. A box of water
+    fits between them whatever their lengths; a level between two rows of particles is remarked.
 
     Args:
         low: Inner corner with the least coordinates [m], 2 or 3 numbers: a tank of a 2-D or of a 3-D scene.
