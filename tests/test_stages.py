@@ -46,6 +46,7 @@ def test_what_is_shipped() -> None:
 def test_references_say_where_they_come_from(name: str) -> None:
     scene = read_stage(CASES[name])
     assert scene.description
+    assert scene.remarks == ()
     assert scene.measurements
     assert all(item.source for item in scene.measurements if item.reference is not None)
 

@@ -12,6 +12,7 @@ from warp_mps.scene.validation.fluids import remarks as remarks_on_fluids
 def remarks_on_case(scene: Scene, particles: Particles) -> list[str]:
     """Remarks on a scene and on the particles that fill it, a line each: what it is about, the number, the remedy."""
     return [
+        *scene.remarks,
         *remarks_on_fluids(scene),
         *particles.remarks(),
         *remarks_on_misfits(scene),

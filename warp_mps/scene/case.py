@@ -88,6 +88,8 @@ class Scene(Record):
     """How the scene lies in its stage; None is the x-y plane, or x, y, z in 3-D, of a stage in SI units."""
     path: str = "scene"
     """Where it was described, for error messages."""
+    remarks: tuple[str, ...] = field(default=(), repr=False, compare=False)
+    """What was doubtful where it was described, a line each: a check and a run show it."""
 
     def __post_init__(self) -> None:
         from warp_mps.scene.validation.scene import check_scene

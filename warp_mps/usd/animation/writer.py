@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
+from pxr import Sdf
 
 from warp_mps.errors import InputError
 from warp_mps.particles.particles import Particles
@@ -140,6 +141,10 @@ class AnimationWriter:
         """Remove the hidden copies; the file itself is complete after every frame."""
         self._copies = []
         self._remove_copies()
+        # where this process has the file that it replaced open, USD would show its old frames on
+        layer = Sdf.Layer.Find(str(self._path))
+        if layer and not layer.dirty:
+            layer.Reload(True)
 
     def _code(self, time: float) -> float:
         # Rounding puts frame k at time code k exactly where the steps of the clock add up to k / frame_rate.

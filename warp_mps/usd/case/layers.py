@@ -121,12 +121,14 @@ def _within(file: str, home: Path) -> bool:
 def _open(file: str) -> Sdf.Layer:
     """The layer of a file as it is now, which USD may hold in an earlier state.
 
+    A layer that this process has changed and not saved stays as it is: it is the user's.
+
     Raises:
         InputError: USD cannot read it.
     """
     try:
         layer = Sdf.Layer.FindOrOpen(file)
-        if layer:
+        if layer and not layer.dirty:
             layer.Reload()
     except (Tf.ErrorException, UnicodeDecodeError) as error:
         # the message of USD on a damaged file need not be valid text

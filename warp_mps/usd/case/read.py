@@ -38,6 +38,7 @@ from warp_mps.usd.case.geometry import has_shape
 from warp_mps.usd.case.open_stage import open_stage, quiet
 from warp_mps.usd.case.prim_values import Values
 from warp_mps.usd.case.stage_errors import stage_error
+from warp_mps.usd.case.stage_remarks import stage_remarks
 
 # roles of the items that are filled with particles
 FILLED = ("body", "wall", "fluid")
@@ -101,13 +102,18 @@ class _Reader:
     def scene(self, name: str) -> Scene:
         values = self._values(self.physics, "scene")
         probes = {probe.name: probe for probe in map(self._probe, self.parts["probe"])}
+        bodies = tuple(self._body(prim) for prim in self.parts["body"])
+        walls = tuple(self._wall(prim) for prim in self.parts["wall"])
+        fluids = tuple(self._fluid(prim) for prim in self.parts["fluid"])
+        shapes = [item.shape for item in (*bodies, *walls, *fluids)]
+        parts = [prim for found in self.parts.values() for prim in found]
         return Scene(
             name=name,
             description=self.stage.GetRootLayer().documentation,
             gravity=stage_contents.gravity(self.physics, self.frame),
-            bodies=tuple(self._body(prim) for prim in self.parts["body"]),
-            walls=tuple(self._wall(prim) for prim in self.parts["wall"]),
-            fluids=tuple(self._fluid(prim) for prim in self.parts["fluid"]),
+            bodies=bodies,
+            walls=walls,
+            fluids=fluids,
             supports=tuple(self._support(prim) for prim in self.parts["support"]),
             loads=tuple(self._load(prim) for prim in self.parts["load"]),
             probes=tuple(probes.values()),
@@ -117,6 +123,7 @@ class _Reader:
             flow=values.record(Flow, "flow", {"domain": motions.domain(values), **values.fields("flow")}),
             stage=self.frame.stage,
             path=values.path,
+            remarks=tuple(stage_remarks(self.stage, parts, shapes, self.frame)),
             **{**values.fields(), "dimension": self.frame.dimension},
         )
 
