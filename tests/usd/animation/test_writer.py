@@ -261,3 +261,15 @@ def test_other_formats_and_primvars_are_refused(tmp_path: Path, particles: Parti
     animation = writer(tmp_path / "run.usdc", particles)
     with pytest.raises(ValueError, match="pressure"):
         animation.write(0.0, particles.positions, particles.velocities)
+
+
+def test_a_file_that_is_open_shows_the_frames_of_the_run_that_replaced_it(tmp_path: Path, particles: Particles) -> None:
+    path = tmp_path / "run.usdc"
+    opened = []
+    for frames in ((0,), (0, 1, 2)):
+        animation = writer(path, particles)
+        write(animation, particles, *frames)
+        animation.close()
+        opened.append(Usd.Stage.Open(str(path)))
+        assert body(opened[-1], "left").GetPointsAttr().GetNumTimeSamples() == len(frames)
+    assert body(opened[0], "left").GetPointsAttr().GetNumTimeSamples() == 3
