@@ -105,7 +105,8 @@ class _Reader:
         bodies = tuple(self._body(prim) for prim in self.parts["body"])
         walls = tuple(self._wall(prim) for prim in self.parts["wall"])
         fluids = tuple(self._fluid(prim) for prim in self.parts["fluid"])
-        shapes = [item.shape for item in (*bodies, *walls, *fluids)]
+        filled: tuple[Body | Wall | Fluid, ...] = (*bodies, *walls, *fluids)
+        shapes = [item.shape for item in filled]
         parts = [prim for found in self.parts.values() for prim in found]
         return Scene(
             name=name,
