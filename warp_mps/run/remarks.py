@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from warp_mps.elastic.hamiltonian.thin_bodies import remarks_on_thin_bodies
 from warp_mps.particles.misfits import remarks_on_misfits
 from warp_mps.particles.particles import Particles
 from warp_mps.particles.unheld_fluid import remarks_on_unheld_fluid
@@ -17,4 +18,5 @@ def remarks_on_case(scene: Scene, particles: Particles) -> list[str]:
         *particles.remarks(),
         *remarks_on_misfits(scene),
         *remarks_on_unheld_fluid(scene, particles),
+        *remarks_on_thin_bodies(scene, particles),
     ]

@@ -5,7 +5,7 @@ references leave out:
 
 - Bending curves a body across itself the more, the closer nu is to 1/2, and the control resists that curvature. It is
   weaker, c = 1 - 0.22 (1 - 4 mu / lambda)^2, where lambda > 4 mu. Then plates of three particles and more bend as they
-  should, whatever nu is (measured: 0.98 to 1.02 of the deflection); with c = 1 three rows give 0.93 at nu = 0.499.
+  should, whatever nu is (measured: 0.97 to 1.01 of the deflection); with c = 1 three rows give 0.93 at nu = 0.499.
 - At a strongly compressed surface short wrinkles lose their stiffness, and the lattice folds where F_i still looks
   sound. The control grows there as the volume falls, kappa_i g(J_i) with
 
