@@ -69,7 +69,7 @@ def _row_lengths(cells: np.ndarray, axis: int) -> np.ndarray:
 def _line(body: Body, scene: Scene) -> str:
     material = body.material
     return (
-        f"{place(body, 'body')}: is 2 particles thick; with a Poisson's ratio of {material.poissons_ratio:g} it deflects "
-        f"in bending by about {two_particle_bending(material, scene):.2f} of what it should; take 3 particles or more, "
-        f"as with a spacing of {2.0 * body.spacing / 3.0:.3g} m"
+        f"{place(body, 'body')}: is 2 particles thick; with a Poisson's ratio of {material.poissons_ratio:g} it "
+        f"deflects in bending by about {two_particle_bending(material, scene):.2f} of what it should; take 3 particles "
+        f"or more, as with a spacing of {2.0 * body.spacing / 3.0:.3g} m"
     )
