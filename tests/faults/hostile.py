@@ -119,7 +119,7 @@ def _few_steps(path: Path) -> float | None:
     cost = estimate(scene)
     if sum(cost.particles.values()) > PARTICLES:
         return None
-    return min(scene.duration, STEPS * cost.dt)
+    return min(scene.duration, STEPS * cost.time_step.length)
 
 
 def main(count: int = 2000, seed: int = 0) -> int:

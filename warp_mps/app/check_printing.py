@@ -44,11 +44,20 @@ def _table(rows: Iterable[tuple[str, str]]) -> Table:
 def _cost_rows(scene: Scene, found: CaseCheck) -> Iterator[tuple[str, str]]:
     """Names and values of what a run of a case takes."""
     clock, static, cost = Clock(scene), scene.analysis == "static", found.cost
+    step = cost.time_step
     yield "case", f"{found.case} ({found.method})"
-    note = "" if cost.dt <= cost.dt_limit else f"  ABOVE THE LIMIT of {cost.dt_limit:.4g} s: will be unstable"
-    step = "longest time step" if scene.fluids else "load step" if static else "time step"
-    yield step, f"{cost.dt:.4g}{'' if static else ' s'}{note}"
-    yield "steps at least, frames" if scene.fluids else "steps, frames", f"{cost.steps}, {cost.frames}"
+    note = "" if step.length <= step.stable else f"  ABOVE THE LIMIT of {step.stable:.4g} s: will be unstable"
+    name = "longest time step" if scene.fluids else "load step" if static else "time step"
+    yield name, f"{step.length:.4g}{'' if static else ' s'}, limited by {step.limited_by}{note}"
+    others = sorted((length, cause) for cause, length in step.limits.items() if cause != step.limited_by)
+    for length, cause in others:
+        yield "  other limits" if length == others[0][0] else "", f"{length:.4g} s, {cause}"
+    if scene.fluids and scene.bodies:
+        text = (
+            "implicit, those of the fluid" if step.implicit else f"{step.substeps} explicit ones in a step of the fluid"
+        )
+        yield "steps of the bodies", text
+    yield "steps, about; frames" if scene.fluids else "steps, frames", f"{step.steps}, {cost.frames}"
     rates = (1.0 / (every * clock.dt) for every in (clock.frame_every, clock.sample_every))
     if not static:
         yield "frames, rows of probes.csv a second", ", ".join(f"{rate:.6g}" for rate in rates)
@@ -57,7 +66,7 @@ def _cost_rows(scene: Scene, found: CaseCheck) -> Iterator[tuple[str, str]]:
     note = "" if 2.0 * cost.disk <= free else "  TOO MUCH: save fewer frames, by a lower mps:frameRate"
     here = f"at most {memory(cost.disk)}, twice that while it is written, {memory(free)} are free here"
     yield "animation", f"{here}{note}"
-    yield "expected time on one CPU core", duration(cost.seconds)
+    yield "CPU time on one core, about", duration(cost.seconds)
 
 
 def _item_rows(item: ItemCheck, scene: Scene) -> Iterator[tuple[str, str]]:

@@ -12,7 +12,6 @@ from warp_mps.observers.base import Observer
 from warp_mps.observers.guest import guests
 from warp_mps.observers.progress import Progress
 from warp_mps.results.summary import RunSummary
-from warp_mps.run.cost import refuse_too_large
 from warp_mps.run.folder import claim_folder
 from warp_mps.run.locks import lock_folder
 from warp_mps.run.provenance import fingerprint
@@ -64,8 +63,6 @@ def run_scene(
     if not checkpoint_interval >= 0.0:
         raise InputError("", "checkpoint_interval", f"is {checkpoint_interval:g}, must be 0 or more seconds")
     given = guests(observers)
-    if device == "cpu":
-        refuse_too_large(scene)
     with lock_folder(folder):
         options = {"overwrite": overwrite, "resume": resume}
         checkpoint = claim_folder(folder, fingerprint(scene, precision), announce=_say, **options)

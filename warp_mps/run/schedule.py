@@ -60,15 +60,9 @@ class Clock:
 
     def _divide(self, scene: Scene, frame: float, samples: int) -> None:
         """Find the time step of elastic bodies: a whole number of steps fits between two samples."""
-        crossing = min(
-            body.spacing / pressure_wave_speed(material, scene.dimension, scene.plane)
-            for body in scene.bodies
-            for material in body.materials
-        )
-        crossing /= contact_slowing(scene)
         self.dt_limit = math.inf if scene.implicit else stable_limit(scene)
         if scene.time_step is None:
-            step = min(scene.courant * crossing, SAFETY * self.dt_limit)
+            step = min(body_step_limits(scene).values())
             self.sample_every = max(1, math.ceil(_count(scene, frame / samples, step, "frame_rate")))
             self.dt = frame / (samples * self.sample_every)
         else:
@@ -113,6 +107,25 @@ class Trigger:
             return (step // self._every + 1) * self._every
         passed = math.floor(self._clock.time(step) / self._interval + ROUNDING)
         return max(step + 1, self._clock.first_step_at((passed + 1) * self._interval))
+
+
+def body_step_limits(scene: Scene) -> dict[str, float]:
+    """Limits of a time step of elastic bodies that is not given [s], by what sets them.
+
+    Implicit steps keep to the CFL number only.
+    """
+    waves = [
+        (body.spacing / (speed := pressure_wave_speed(material, scene.dimension, scene.plane)), speed, body.name)
+        for body in scene.bodies
+        for material in body.materials
+    ]
+    (crossing, speed, name), touching = min(waves, key=lambda wave: wave[0]), contact_slowing(scene)
+    cause = f"CFL number {scene.courant:g} at {speed:.4g} m/s, the speed of pressure waves in {name}"
+    limits = {cause: scene.courant * (crossing / touching)}
+    if not scene.implicit:
+        stiff = f" with contact {scene.contact.stiffness:g} times as stiff as the material" if touching > 1.0 else ""
+        limits[f"{SAFETY:g} of the largest stable step{stiff}"] = SAFETY * stable_limit(scene)
+    return limits
 
 
 def _count(scene: Scene, interval: float, step: float, attribute: str) -> float:

@@ -66,7 +66,9 @@ class Scene(Record):
     frame_rate: float = field(default=100.0, metadata=attribute("mps:frameRate", unit="1/s", above=0.0))
     """Saved frames per simulated second."""
     sample_rate: float | None = field(default=None, metadata=attribute("mps:sampleRate", unit="1/s", above=0.0))
-    """Rows of probes.csv per simulated second, a whole multiple of `frame_rate`, and equal to it if not given."""
+    """Rows of probes.csv per simulated second, a whole multiple of `frame_rate`, and equal to it if not given. Steps
+    end at rows: a higher rate may make steps shorter, and so change the result within the error of the time
+    integration; `warp-mps check` tells what limits the step."""
     time_step: float | None = field(default=None, metadata=attribute("mps:timeStep", unit="s", above=0.0))
     """Time step of bodies; derived from `courant` if not given. Frames and rows are then written every whole number of
     steps, as near to their rates as that allows. Fluids: an upper limit beside that of `flow.courant`."""

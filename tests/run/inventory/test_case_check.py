@@ -58,7 +58,7 @@ def test_the_check_is_public_and_is_json() -> None:
     assert isinstance(found, mps.CaseCheck)
     data = json.loads(found.to_json())
     assert data["items"][0]["particles"] == found.items[0].particles
-    assert data["cost"]["steps"] == found.cost.steps
+    assert data["cost"]["time_step"]["steps"] == found.cost.time_step.steps
     np.testing.assert_allclose(data["items"][0]["mass"]["centre"], found.items[0].mass.centre)
     json.loads(mps.check(pool()).to_json())
 

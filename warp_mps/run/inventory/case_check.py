@@ -75,7 +75,7 @@ def check(scene: Scene) -> CaseCheck:
         dimension=scene.dimension,
         method=_method(scene),
         items=check_items(scene, particles),
-        cost=estimate(scene),
+        cost=estimate(scene, particles),
         available_memory=available_memory(),
         remarks=tuple(remarks_on_case(scene, particles)),
     )
