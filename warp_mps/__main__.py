@@ -6,13 +6,18 @@ import signal
 import sys
 
 from warp_mps.app import cli
+from warp_mps.core.interrupts import STOPPING
+
+# exit codes above this are those of signals
+INTERRUPTED = 128
 
 
 def main() -> int:
     """Run the command line; the exit code of an interrupted run stays, however often it is interrupted."""
     code = cli.main()
-    if code == cli.INTERRUPTED:
-        signal.signal(signal.SIGINT, signal.SIG_IGN)
+    if code > INTERRUPTED:
+        for number in STOPPING:
+            signal.signal(number, signal.SIG_IGN)
     return code
 
 

@@ -23,6 +23,10 @@ class InputError(ValueError):
         subject = " ".join(part for part in (where, attribute) if part)
         super().__init__(f"{subject}: {reason}" if subject else reason)
 
+    def __reduce__(self) -> tuple[object, ...]:
+        # an exception is copied, and sent from one process to another, by the arguments of its constructor
+        return type(self), (self.where, self.attribute, self.reason), self.__dict__
+
 
 def _line(text: str) -> str:
     """A text as one line of limited length, its beginning and its end."""

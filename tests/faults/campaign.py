@@ -39,6 +39,11 @@ def terminated(case: Case, out: Path, rows: int) -> str:
     return _interrupted(case, out, rows, signal.SIGTERM)
 
 
+def hung_up(case: Case, out: Path, rows: int) -> str:
+    """Close the terminal of a run."""
+    return _interrupted(case, out, rows, signal.SIGHUP)
+
+
 def interrupted_twice(case: Case, out: Path, rows: int) -> str:
     """Ctrl-C, and again as it takes too long."""
     return _interrupted(case, out, rows, signal.SIGINT, signal.SIGINT)
@@ -105,7 +110,7 @@ def _interrupted(case: Case, out: Path, rows: int, *signals: signal.Signals) -> 
             time.sleep(random.uniform(0.0, 0.01))
         code, line = ending(process)
     kept = (out / "checkpoint.npz").exists()
-    assert (code, "continue with --resume" in line) == (130, kept), (code, line)
+    assert (code, "continue with --resume" in line) == (128 + signals[0], kept), (code, line)
     assert '"status": "failed"' in (out / "run.json").read_text()
     return line
 
@@ -126,6 +131,7 @@ def _full(case: Case, out: Path, rows: int, limit: Callable[[], int], expected: 
 FAULTS: dict[str, Fault] = {
     "kill -9": killed,
     "SIGTERM": terminated,
+    "SIGHUP": hung_up,
     "Ctrl-C twice": interrupted_twice,
     "disk full": full,
     "disk full, checkpoint": full_for_a_checkpoint,

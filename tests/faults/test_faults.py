@@ -29,6 +29,7 @@ LONG = [
     *(("kill -9", "wet", rows) for rows in (3, 29)),
     *(("kill -9", "implicit", rows) for rows in (14, 45)),
     ("SIGTERM", "fluid", 20),
+    ("SIGHUP", "solid", 31),
     ("Ctrl-C twice", "implicit", 22),
     ("disk full", "wet", 17),
     ("disk full, checkpoint", "solid", 2),

@@ -33,6 +33,7 @@ def parse(commands: Mapping[str, Callable[..., int]], arguments: Sequence[str]) 
         InputError: There is no such command or option, or a value is not allowed.
         SystemExit: Help was asked for, and printed.
     """
+    _refuse_empty(arguments)
     text = io.StringIO()
     try:
         with contextlib.redirect_stderr(text):
@@ -48,6 +49,19 @@ def parse(commands: Mapping[str, Callable[..., int]], arguments: Sequence[str]) 
         if not error.code:
             raise
         raise InputError("", "", _one_line(text.getvalue())) from None
+
+
+def _refuse_empty(arguments: Sequence[str]) -> None:
+    """Refuse arguments without text: a path would stand for the present folder.
+
+    Raises:
+        InputError: There is one, or one that is not UTF-8.
+    """
+    for before, argument in zip(["", *arguments], arguments, strict=False):
+        option, equals, value = argument.partition("=")
+        if not argument or (option.startswith("--") and equals and not value):
+            named = option or (before if before.startswith("--") else "")
+            raise InputError(named, "", "an argument is empty; give a value, such as . for the present folder")
 
 
 def _bind_later(command: Callable[..., int]) -> Callable[..., Callable[[], int]]:

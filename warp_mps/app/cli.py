@@ -1,10 +1,11 @@
 """The commands of ``warp-mps`` and their exit codes.
 
-0: done. 2: the input is wrong. 3: the run failed. 130: interrupted.
+0: done. 2: the input is wrong. 3: the run failed. 130: interrupted by Ctrl-C. 129, 143: ended by SIGHUP, SIGTERM.
 """
 
 from __future__ import annotations
 
+import errno
 import functools
 import signal
 import sys
@@ -16,7 +17,8 @@ from tyro.conf import Positional, UseAppendAction, arg
 
 from warp_mps.app import result_commands
 from warp_mps.app.arguments import parse
-from warp_mps.core.interrupts import first_interrupt_only
+from warp_mps.core.interrupts import first_interrupt_only, raise_when_killed
+from warp_mps.core.streams import patient_streams, say
 from warp_mps.errors import InputError, RunError
 from warp_mps.version import __version__
 
@@ -85,9 +87,10 @@ def run(
     start = functools.partial(run_scene, scene, folder, device=device, precision=precision, threads=threads)
     try:
         summary = start(overwrite=overwrite, resume=resume, checkpoint_interval=checkpoint_interval, quiet=quiet)
-    except KeyboardInterrupt:
+    except KeyboardInterrupt as interrupt:
         if (folder / "checkpoint.npz").exists():
-            return _fail("interrupted; the results so far are kept, continue with --resume", INTERRUPTED)
+            how = "the results so far are kept, continue with --resume"
+            return _fail(f"{_cause(interrupt)}; {how}", _code(interrupt))
         raise
     print_summary(summary, folder)
     return 0
@@ -136,7 +139,8 @@ def bench(
     return 0
 
 
-INTERRUPTED = 130
+# commands whose result is in files, not on standard output
+LEAVE_FILES = {"run", "convert", "plot", "picture", "video", "report"}
 COMMANDS: dict[str, Callable[..., int]] = {
     "list": list_cases,
     "check": check,
@@ -154,26 +158,59 @@ COMMANDS: dict[str, Callable[..., int]] = {
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run a command and return its exit code."""
     arguments = list(sys.argv[1:] if arguments is None else arguments)
-    if arguments == ["--version"]:
-        print(f"warp-mps {__version__}")
-        return 0
-    # a batch system ends a job by SIGTERM: treat it as Ctrl-C, so that all results are kept
-    signal.signal(signal.SIGTERM, lambda *_: signal.raise_signal(signal.SIGINT))
+    # a batch system ends a job by SIGTERM, a terminal by SIGHUP: treat them as Ctrl-C, so that all results are kept
+    with patient_streams() as (output, _):
+        try:
+            with raise_when_killed(again=False):
+                code = _end(arguments)
+        except KeyboardInterrupt as interrupt:
+            code = _fail(_cause(interrupt), _code(interrupt))
+        output.flush()
+        # a reader that has gone, such as head, wants no more
+        if output.failure is None or isinstance(output.failure, BrokenPipeError):
+            return code
+        say(f"standard output cannot be written: {getattr(output.failure, 'strerror', output.failure)}")
+        return code if code or set(arguments[:1]) & LEAVE_FILES else 3
+
+
+def _end(arguments: list[str]) -> int:
+    """Run a command, and say in one line how it ended if it ended badly."""
     try:
         # a second Ctrl-C must not interrupt the saving that the first one started
         with first_interrupt_only():
+            if arguments == ["--version"]:
+                print(f"warp-mps {__version__}")
+                return 0
             return parse(COMMANDS, arguments)()
-    except InputError as error:
+    except SystemExit as help_was_shown:
+        return int(help_was_shown.code or 0)
+    except (InputError, RunError, MemoryError, OSError) as error:
+        return _fail(*_reason(error))
+
+
+def _reason(error: Exception) -> tuple[str, int]:
+    """A line on an error, and the exit code."""
+    if isinstance(error, InputError):
         from warp_mps.usd.case.stage_errors import stage_error
 
         # name the attribute of the stage, not the field of the scene
-        return _fail(str(stage_error(error)), 2)
-    except RunError as error:
-        return _fail(str(error), 3)
-    except MemoryError:
-        return _fail("there is not enough memory; a larger mps:spacing makes fewer particles", 3)
-    except KeyboardInterrupt:
-        return _fail("interrupted", INTERRUPTED)
+        return str(stage_error(error)), 2
+    if isinstance(error, MemoryError):
+        return "there is not enough memory; a larger mps:spacing makes fewer particles", 3
+    if isinstance(error, OSError):
+        # a file that could be used a moment ago, or a name that no file can have
+        named = "" if error.filename is None else f"{error.filename}: "
+        return f"{named}{error.strerror or error}", 2 if error.errno == errno.ENAMETOOLONG else 3
+    return str(error), 3
+
+
+def _cause(interrupt: KeyboardInterrupt) -> str:
+    return str(interrupt) or "interrupted"
+
+
+def _code(interrupt: KeyboardInterrupt) -> int:
+    """The exit code that a shell gives to a process that a signal ended."""
+    return 128 + getattr(interrupt, "number", signal.SIGINT)
 
 
 def _read(case: str, changes: Sequence[str], duration: float | None, *, allow_external: bool) -> Any:
@@ -196,7 +233,7 @@ def _lasting(scene: Any, duration: float) -> Any:
     shortened = replace(scene, duration=duration, measurements=tuple(kept))
     left_out = [item.name for item in scene.measurements if item not in kept]
     if left_out:
-        _say(f"not measured, because the run ends at {duration:g} s: {', '.join(left_out)}")
+        say(f"not measured, because the run ends at {duration:g} s: {', '.join(left_out)}")
     return shortened
 
 
@@ -208,9 +245,5 @@ def _parse_change(change: str) -> tuple[str, str]:
 
 
 def _fail(message: str, code: int) -> int:
-    _say(message)
+    say(message)
     return code
-
-
-def _say(message: str) -> None:
-    print(f"warp-mps: {message}", file=sys.stderr)

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import sys
 import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 from warp_mps.app.printing import print_measurements
+from warp_mps.core.streams import say
 from warp_mps.errors import RunError
 from warp_mps.run.run import run_scene
 from warp_mps.scene.choices import PrecisionName
@@ -45,12 +45,12 @@ def _run(
     path: Path, folder: Path, device: str, precision: PrecisionName, allow_external: bool
 ) -> tuple[list[tuple[str, dict[str, Any]]], bool]:
     """The measurements of a case and of its energy, and whether it came to its end."""
-    print(f"warp-mps: running {path.stem}", file=sys.stderr, flush=True)
+    say(f"running {path.stem}")
     scene = read_stage(path, allow_external=allow_external)
     try:
         summary = run_scene(scene, folder / scene.name, device=device, precision=precision, overwrite=True, quiet=True)
     except RunError as error:
-        print(f"warp-mps: {path.stem}: {error}", file=sys.stderr)
+        say(f"{path.stem}: {error}")
         return [], False
     rows = [*summary.measurements]
     if not summary.fluid:

@@ -5,8 +5,9 @@ from __future__ import annotations
 import sys
 import time
 from collections.abc import Callable
-from typing import TYPE_CHECKING, TextIO
+from typing import TYPE_CHECKING, TextIO, cast
 
+from warp_mps.core.streams import PatientStream
 from warp_mps.observers.base import Observer, View
 
 if TYPE_CHECKING:
@@ -39,7 +40,7 @@ class Progress(Observer):
     ) -> None:
         self.every = every
         self._quiet = quiet
-        self._stream = sys.stderr if stream is None else stream
+        self._stream = PatientStream(sys.stderr if stream is None else stream)
         self._clock = clock
         self._first: tuple[int, int, float] | None = None
         self._line = (0.0, 0.0)
@@ -58,7 +59,8 @@ class Progress(Observer):
             self._show_bar(view, rate, speed)
         elif first or view.step >= view.total_steps or self._line_is_due(_fraction(view), now):
             self._line = (_fraction(view), now)
-            print(_line(view, rate, speed), file=self._stream, flush=True)
+            self._stream.write(f"{_line(view, rate, speed)}\n")
+            self._stream.flush()
 
     def close(self) -> None:
         """Leave the bar as it is."""
@@ -86,12 +88,12 @@ class Progress(Observer):
         self._bar.update(self._bar.task_ids[0], completed=view.step, description=text)
 
 
-def _make_bar(stream: TextIO) -> Bar:
+def _make_bar(stream: PatientStream) -> Bar:
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn
 
     columns = (BarColumn(), TaskProgressColumn(), TextColumn("{task.description}"))
-    return Progress(*columns, console=Console(file=stream))
+    return Progress(*columns, console=Console(file=cast(TextIO, stream)))
 
 
 def _fraction(view: View) -> float:

@@ -13,6 +13,22 @@ from warp_mps.observers.checkpoint import Checkpoint, load_checkpoint
 ANIMATION, PROBES, SUMMARY = "run.usdc", "probes.csv", "run.json"
 
 
+def require_folder(folder: str | Path) -> Path:
+    """The path of a folder of results.
+
+    Raises:
+        InputError: It is empty, or it is not UTF-8, which USD needs.
+    """
+    text = os.fspath(folder)
+    if not text:
+        raise InputError("", "folder", "is empty; give the folder of the results, or . for this one")
+    try:
+        os.path.abspath(text).encode()
+    except UnicodeEncodeError:
+        raise InputError(ascii(text), "", "cannot be used: its path is not UTF-8, which USD needs") from None
+    return Path(folder)
+
+
 def claim_folder(
     folder: Path, fingerprint: str, *, overwrite: bool, resume: bool, announce: Callable[[str], None]
 ) -> Checkpoint | None:

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from warp_mps.core.warp_turn import warp_turn
 from warp_mps.particles.particles import Particles
 from warp_mps.results.energy import Energy
 from warp_mps.run.system import System
@@ -128,11 +129,13 @@ class Readings:
         return self._once("energy", self._system.energy)
 
     def _once(self, name: str, read: Callable[[], Any]) -> Any:
-        if name not in self._read:
-            value = read()
-            for array in value if isinstance(value, tuple) else (value,):
-                if isinstance(array, np.ndarray):
-                    # observers share it
-                    array.flags.writeable = False
-            self._read[name] = value
-        return self._read[name]
+        with warp_turn:
+            return self._read[name] if name in self._read else self._keep(name, read())
+
+    def _keep(self, name: str, value: Any) -> Any:
+        for array in value if isinstance(value, tuple) else (value,):
+            if isinstance(array, np.ndarray):
+                # observers share it
+                array.flags.writeable = False
+        self._read[name] = value
+        return value

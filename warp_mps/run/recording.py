@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from warp_mps.core.warp_turn import warp_turn
 from warp_mps.errors import RunError
 from warp_mps.observers import checkpoint as checkpoint_file
 from warp_mps.observers.base import Observer
@@ -132,9 +133,9 @@ class Recording:
             reason = f"{error.filename}: cannot be written: {error.strerror}"
             self._give_up(reason, begin)
             raise RunError(reason) from error
-        except KeyboardInterrupt:
+        except KeyboardInterrupt as interrupt:
             kept = (self._folder / checkpoint_file.NAME).exists()
-            self._give_up("interrupted" + "; continue with --resume" * kept, begin)
+            self._give_up(f"{str(interrupt) or 'interrupted'}{'; continue with --resume' * kept}", begin)
             raise
         except BaseException as error:
             self._give_up(str(error) if isinstance(error, RunError) else repr(error), begin)
@@ -173,9 +174,11 @@ class Recording:
 def _make_guard(simulation: Simulation) -> Guard:
     """The guard of a run; the weight that lets a fluid settle includes body forces."""
     forces = simulation.fluids.step.body_forces if simulation.scene.fluids else None
+    with warp_turn:
+        largest = forces.largest() if forces else 0.0
     return Guard(
         every=simulation.clock.sample_every,
         time_step=simulation.clock.dt,
         energy=simulation.scene.analysis != "static",
-        body_force=forces.largest() if forces else 0.0,
+        body_force=largest,
     )

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from warp_mps.core.interrupts import first_interrupt_only
+from warp_mps.core.interrupts import first_interrupt_only, raise_when_killed
+from warp_mps.core.streams import reserve_descriptors, say
+from warp_mps.core.warp_turn import warp_turn
 from warp_mps.errors import InputError
 from warp_mps.observers.base import Observer
 from warp_mps.observers.guest import guests
 from warp_mps.observers.progress import Progress
 from warp_mps.results.summary import RunSummary
-from warp_mps.run.folder import claim_folder
+from warp_mps.run.folder import claim_folder, require_folder
 from warp_mps.run.locks import lock_folder
 from warp_mps.run.provenance import fingerprint
 from warp_mps.run.recording import Recording
@@ -22,6 +23,7 @@ from warp_mps.scene import Scene
 from warp_mps.scene.choices import PrecisionName
 
 
+@raise_when_killed(again=True)
 def run_scene(
     scene: Scene,
     folder: str | Path,
@@ -56,25 +58,27 @@ def run_scene(
     Raises:
         InputError: The scene cannot be run, or the folder cannot be used, e.g. since another run is using it.
         RunError: The run had to be stopped; its results so far are kept, and run.json says why.
-        KeyboardInterrupt: It was interrupted; likewise.
+        KeyboardInterrupt: It was interrupted; likewise. SIGTERM and SIGHUP, unless the program handles or ignores them,
+            end the run in the same way and then the process, as they would have done at once.
     """
-    folder = Path(folder)
     require_scene(scene)
+    reserve_descriptors()
+    folder = require_folder(folder)
     if not checkpoint_interval >= 0.0:
         raise InputError("", "checkpoint_interval", f"is {checkpoint_interval:g}, must be 0 or more seconds")
     given = guests(observers)
     with lock_folder(folder):
         options = {"overwrite": overwrite, "resume": resume}
-        checkpoint = claim_folder(folder, fingerprint(scene, precision), announce=_say, **options)
+        checkpoint = claim_folder(folder, fingerprint(scene, precision), announce=say, **options)
         progress = Progress(every=1, quiet=quiet)
-        announce = None if quiet else _say
+        announce = None if quiet else say
         simulation = Simulation(scene, device=device, precision=precision, threads=threads, announce=announce)
         longest, limit = simulation.longest_step
         if longest > limit:
-            _say(f"the time step of {longest:.4g} s is above the limit of {limit:.4g} s: expect an unstable run")
+            say(f"the time step of {longest:.4g} s is above the limit of {limit:.4g} s: expect an unstable run")
         found = [*remarks_on_case(scene, simulation.particles), *_remark_on_closed_fluid(simulation)]
         for line in [] if quiet else found:
-            _say(line)
+            say(line)
         if checkpoint is not None:
             simulation.restore(checkpoint.arrays)
             if simulation.step > simulation.total_steps:
@@ -101,8 +105,5 @@ def _remark_on_closed_fluid(simulation: Simulation) -> list[str]:
     if not scene.fluids or scene.bodies or scene.flow.negative_pressure != "clipped":
         return []
     reason = "no free surface: a fluid that fills its walls needs negative pressures, and they are 'clipped'"
-    return [reason] * simulation.fluids.step.is_closed()
-
-
-def _say(message: str) -> None:
-    print(f"warp-mps: {message}", file=sys.stderr, flush=True)
+    with warp_turn:
+        return [reason] * simulation.fluids.step.is_closed()

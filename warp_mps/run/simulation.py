@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from warp_mps.core.interrupts import defer_interrupts
+from warp_mps.core.warp_turn import warp_turn
 from warp_mps.errors import InputError, RunError
 from warp_mps.observers.base import Observer, closing
 from warp_mps.particles.filling import fill_scene
@@ -16,7 +17,7 @@ from warp_mps.run.cost import refuse_too_large
 from warp_mps.run.device_arrays import device_arrays
 from warp_mps.run.readings import Readings
 from warp_mps.run.schedule import Clock, Trigger
-from warp_mps.run.steps import PacedSteps, ReplayedSteps, Steps, ThreadedSteps
+from warp_mps.run.steps import PacedSteps, ReplayedSteps, Steps, ThreadedSteps, require_threads
 from warp_mps.run.system import PacedSystem, System
 from warp_mps.run.system_factory import make_system
 from warp_mps.scene import Scene
@@ -84,32 +85,26 @@ class Simulation(Readings):
         from warp_mps.core.types import numeric_types
 
         require_scene(scene)
-        if not isinstance(threads, int) or threads < 1:
-            raise InputError("", "threads", f"is {threads!r}, must be a whole number of 1 or more")
         if precision not in PRECISIONS:
             raise InputError("", "precision", f"is {precision!r}, must be one of: {', '.join(PRECISIONS)}")
-        self._device = open_device(device)
-        if threads > 1 and not self._device.is_cpu:
-            raise InputError("", "threads", f"is {threads} on {device}; threads are for the CPU device")
-        if threads > 1 and (scene.fluids or scene.implicit):
-            what = "fluids take" if scene.fluids else "a static analysis and implicit steps take"
-            raise InputError("", "threads", f"is {threads}; {what} one")
-        if threads > 1 and not all(force.is_warp_function for force in scene.body_forces):
-            raise InputError("", "threads", f"is {threads}; body forces given as Python functions take one")
+        with warp_turn:
+            self._device = open_device(device)
+        require_threads(threads, scene, "" if self._device.is_cpu else device)
         if self._device.is_cpu:
             refuse_too_large(scene)
         self.scene, self.precision, self.step = scene, precision, 0
         self.clock, particles = Clock(scene), fill_scene(scene)
-        options: dict[str, Any] = {"types": numeric_types(scene.dimension, precision), "device": self._device}
-        made = make_system(scene, particles, self.clock, graphs=graphs, announce=announce, **options)
-        super().__init__(particles, made)
-        self._system: System = made
-        self._system.start()
+        with warp_turn:
+            options: dict[str, Any] = {"types": numeric_types(scene.dimension, precision), "device": self._device}
+            made = make_system(scene, particles, self.clock, graphs=graphs, announce=announce, **options)
+            super().__init__(particles, made)
+            self._system: System = made
+            self._system.start()
+            self._paced: PacedSystem | None = made if scene.fluids or scene.implicit else None
+            self._steps = self._make_steps(graphs, threads)
         for array in vars(particles).values():
             if isinstance(array, np.ndarray):
                 array.flags.writeable = False  # observers share it
-        self._paced: PacedSystem | None = made if scene.fluids or scene.implicit else None
-        self._steps = self._make_steps(graphs, threads)
         self._observed = False
 
     def _make_steps(self, graphs: bool, threads: int) -> Steps:
@@ -178,7 +173,8 @@ class Simulation(Readings):
     @property
     def steps_done(self) -> int:
         """Number of time steps done; of fluids, those within the steps of the run."""
-        return int(self.fluids.state.steps.numpy()[0]) if self.scene.fluids else self.step
+        with warp_turn:
+            return int(self.fluids.state.steps.numpy()[0]) if self.scene.fluids else self.step
 
     @property
     def longest_step(self) -> tuple[float, float]:
@@ -190,7 +186,8 @@ class Simulation(Readings):
 
     def record(self) -> dict[str, dict[str, float]]:
         """Statistics of the solvers, by the field of `warp_mps.results.summary.RunSummary` that holds them."""
-        return self._paced.record() if self._paced else {}
+        with warp_turn:
+            return self._paced.record() if self._paced else {}
 
     def advance(self, steps: int) -> None:
         """Advance by a number of steps of the run, each of `dt`; of fluids, of so many intervals between two samples.
@@ -209,7 +206,7 @@ class Simulation(Readings):
         block = self._steps.block
         blocks, rest = divmod(steps, block)
         for count in itertools.chain(itertools.repeat(block, blocks), itertools.repeat(1, rest)):
-            with defer_interrupts():
+            with defer_interrupts(), warp_turn:
                 self._steps.take(self.step, count)
                 self.step += count
 
@@ -234,7 +231,8 @@ class Simulation(Readings):
         """Wait until the device has finished all launches."""
         import warp as wp
 
-        wp.synchronize_device(self._device)
+        with warp_turn:
+            wp.synchronize_device(self._device)
 
     def run(self, observers: Sequence[Observer] = ()) -> None:
         """Advance to the end, showing the run to observers on the way; they are closed whatever happens.
@@ -252,19 +250,23 @@ class Simulation(Readings):
 
     def state_arrays(self) -> dict[str, np.ndarray]:
         """Everything that evolves, as host copies; `restore` continues from them to the same bits."""
-        return {"step": np.array(self.step), **{name: np.array(a) for name, a in self._system.arrays().items()}}
+        with warp_turn:
+            return {"step": np.array(self.step), **{name: np.array(a) for name, a in self._system.arrays().items()}}
 
     def restore(self, arrays: dict[str, np.ndarray]) -> None:
         """Continue from arrays that `state_arrays` gave in a simulation of the same scene."""
         self._refuse_while_observed()
-        self._steps.reopen()
-        self.forget()
-        self._system.assign(arrays)
-        self.step = int(arrays["step"])
+        with warp_turn:
+            self._steps.reopen()
+            self.forget()
+            self._system.assign(arrays)
+            self.step = int(arrays["step"])
 
     def _show(self, observers: Sequence[Observer], triggers: Sequence[Trigger]) -> None:
         # before the observers, so that no invalid state is recorded
-        if (trouble := self._system.trouble()) is not None:
+        with warp_turn:
+            trouble = self._system.trouble()
+        if trouble is not None:
             raise RunError(f"at t = {self.time:.6g} s: {trouble}")
         last = self.step == self.total_steps
         self._observed = True

@@ -3,18 +3,52 @@
 from __future__ import annotations
 
 import functools
+import os
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, Protocol
 
+from warp_mps.errors import InputError
 from warp_mps.run.schedule import Clock
 from warp_mps.run.system import PacedSystem
 
 if TYPE_CHECKING:
     from warp_mps.elastic.explicit.solid import Solid
     from warp_mps.elastic.explicit.step import Phase
+    from warp_mps.scene import Scene
 
 # steps in a graph that is replayed as one: long enough that the launch from Python does not count
 BLOCK = 32
+# threads that a machine of few cores takes, and how many a core of others: more of them mostly wait at barriers
+MOST_THREADS, MOST_THREADS_PER_CORE = 16, 2
+
+
+def require_threads(threads: int, scene: Scene, gpu: str) -> None:
+    """Refuse a number of threads that a scene cannot be shared by.
+
+    Args:
+        threads: The number.
+        scene: The scene.
+        gpu: Name of the device if it is not the CPU, else empty.
+
+    Raises:
+        InputError: It is not a whole number from 1 on, it is far above the number of cores, or the scene or the device
+            takes one.
+    """
+    if not isinstance(threads, int) or threads < 1:
+        raise InputError("", "threads", f"is {threads!r}, must be a whole number of 1 or more")
+    if threads == 1:
+        return
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    most = max(MOST_THREADS, MOST_THREADS_PER_CORE * cores)
+    if threads > most:
+        raise InputError("", "threads", f"is {threads}, must be at most {most} on the {cores} cores of this process")
+    if gpu:
+        raise InputError("", "threads", f"is {threads} on {gpu}; threads are for the CPU device")
+    if scene.fluids or scene.implicit:
+        what = "fluids take" if scene.fluids else "a static analysis and implicit steps take"
+        raise InputError("", "threads", f"is {threads}; {what} one")
+    if not all(force.is_warp_function for force in scene.body_forces):
+        raise InputError("", "threads", f"is {threads}; body forces given as Python functions take one")
 
 
 class Steps(Protocol):
