@@ -25,6 +25,8 @@ from warp_mps.scene import Scene
 # residual of an implicit step in fixed-point passes, relative to its forces: far below the tolerance of the passes, to
 # which it is noise
 TRIAL_TOLERANCE = 1e-6
+# largest residual of an implicit step as a share of the forces that act: a tenth of what the passes converge to
+LARGEST_RESIDUAL = 1e-4
 
 
 class Structure(Protocol):
@@ -95,7 +97,7 @@ class ImplicitStructure:
         """Take the step from the saved state."""
         self.solid.restore()
         exact = self.solid.newton.tolerance
-        self.solid.advance(time, tolerance=max(TRIAL_TOLERANCE, exact) if trial else exact)
+        self.solid.advance(time, tolerance=max(TRIAL_TOLERANCE, exact) if trial else exact, share=LARGEST_RESIDUAL)
 
     def arrays(self) -> dict[str, np.ndarray]:
         """Everything that evolves."""

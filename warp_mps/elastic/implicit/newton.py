@@ -14,7 +14,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import warp as wp
@@ -25,6 +25,7 @@ from warp_mps.core.types import NumericTypes
 from warp_mps.elastic.hamiltonian.model import HamiltonianModel
 from warp_mps.elastic.implicit import newton_kernels as names
 from warp_mps.elastic.implicit.newton_kernels import newton_kernels
+from warp_mps.elastic.implicit.rounding import STALLED, Evaluation, describe_rounding
 from warp_mps.elastic.implicit.tangent_operator import Tangent
 from warp_mps.elastic.implicit.two_level import TwoLevelPreconditioner
 from warp_mps.elastic.state import ElasticState
@@ -56,15 +57,6 @@ class NewtonStatistics:
     iterations: int = 0
     most_iterations: int = 0
     worst_residual: float = 0.0
-
-
-class _Evaluation(NamedTuple):
-    """Norms of the residual and of its scale, the potential, and the magnitude of its terms."""
-
-    residual: float
-    scale: float
-    potential: float
-    terms: float
 
 
 class Newton:
@@ -113,6 +105,7 @@ class Newton:
         self._model, self._state, self._mass = model, state, mass
         n, self._n = held.size, len(held)
         self.tolerance, self._rounding = tolerance or TOLERANCES[types.precision], ROUNDING[types.precision]
+        self._single = types.precision == "float32"
         self.applied, self.target, self.center, self._kept = (
             wp.zeros(self._n, dtype=types.vec, device=device) for _ in range(4)
         )
@@ -123,10 +116,11 @@ class Newton:
         )
         self._free = wp.array(~held, dtype=types.vec, device=device)
         self._energy = wp.zeros(self._n, dtype=types.real, device=device)
-        flat = [wp.zeros(n, dtype=wp.float64, device=device) for _ in range(6)]
-        self._residual, self._scale, self._right, self._pushed, self._jump, self._change = flat
+        flat = [wp.zeros(n, dtype=wp.float64, device=device) for _ in range(7)]
+        self._residual, self._scale, self._rounded, self._right, self._pushed, self._jump, self._change = flat
         self._potential = wp.zeros(self._n, dtype=wp.float64, device=device)
         self._ones = wp.array(np.ones(self._n), dtype=wp.float64, device=device)
+        self._stiffness = self._stiffness_at_rest(types)
         self._step = wp.zeros(1, dtype=wp.float64, device=device)
         self._numbers = wp.zeros(names.NUMBERS, dtype=wp.float64, device=device)
         self._sums = [ChunkSums(length, types=types, device=device) for length in (n, self._n)]
@@ -139,6 +133,13 @@ class Newton:
             preconditioner=self.preconditioner,
         )
         self.statistics = NewtonStatistics()
+        self._last, self._farthest = (Evaluation(0.0, 0.0, 0.0, 0.0, 0.0), 0.0), 0.0
+
+    def _stiffness_at_rest(self, types: NumericTypes) -> wp.array:
+        """Magnitudes of the diagonal blocks of the tangent, without inertia [N/m], mat64 [n]; the model is at rest."""
+        self.tangent.prepare(None, self._ones)
+        mat64 = wp.types.matrix(shape=(types.dimension, types.dimension), dtype=wp.float64)
+        return wp.array(np.abs(self.tangent.block.numpy()), dtype=mat64, device=self._device)
 
     def solve(
         self,
@@ -147,6 +148,7 @@ class Newton:
         measure: bool = False,
         guess: Callable[[], None] | None = None,
         tolerance: float | None = None,
+        share: float = math.inf,
     ) -> bool:
         """Find the equilibrium from the present displacements on.
 
@@ -155,6 +157,8 @@ class Newton:
             measure: Whether the residual is also measured by the initial one.
             guess: Launches an initial guess, which is taken if its residual is smaller.
             tolerance: Tolerance of this solve, if not the default.
+            share: Largest residual, as a share of the forces that act; the initial residual is much larger than these
+                where a stiff body turns fast.
 
         Returns:
             Whether it was found; if not, the displacements are those of the last iteration.
@@ -164,28 +168,35 @@ class Newton:
         first = now.residual if measure else 0.0
         if guess:
             now = self._try_guess(now, guess)
-        iterations = 0
+        iterations, stalled = 0, False
         while math.isfinite(now.residual):
-            if not jumps and now.residual <= tolerance * max(now.scale, first):
-                return self._count(iterations, now.residual / (max(now.scale, first) or 1.0), found=True)
+            wanted = min(tolerance * max(now.scale, first), share * (now.scale or math.inf))
+            if not jumps and now.residual <= (max(wanted, now.floor(first)) if stalled else wanted):
+                return self._count(iterations, now, first, found=True)
             if iterations == MOST_ITERATIONS:
                 break
             iterations += 1
             self._find_direction()
             done = self._search(now, jumps=jumps)
             if done is None:
-                break
+                now, stalled = self._return(), True
+                if jumps or now.residual > now.floor(first):
+                    break
+                continue
+            stalled = done[0].residual > STALLED * now.residual
             now, whole = done
             jumps = jumps and not whole
-        return self._count(iterations, now.residual / (max(now.scale, first) or 1.0), found=False)
+        return self._count(iterations, now, first, found=False)
 
-    def _try_guess(self, now: _Evaluation, guess: Callable[[], None]) -> _Evaluation:
+    def _try_guess(self, now: Evaluation, guess: Callable[[], None]) -> Evaluation:
         """Take an initial guess if its residual is smaller."""
         wp.copy(self._kept, self._state.u)
         self._run("guess", guess)
         there = self._evaluation("evaluate", self._evaluate)
-        if there.residual < now.residual:
-            return there
+        return there if there.residual < now.residual else self._return()
+
+    def _return(self) -> Evaluation:
+        """Return to the displacements that were kept, and evaluate there."""
         wp.copy(self._state.u, self._kept)
         return self._evaluation("evaluate", self._evaluate)
 
@@ -193,15 +204,22 @@ class Newton:
         """The particle with the largest residual in the last iteration; NaN counts as the largest."""
         return int(np.argmax(np.abs(self._residual.numpy()).reshape(self._n, -1).max(axis=1)))
 
-    def _count(self, iterations: int, residual: float, *, found: bool) -> bool:
+    def describe_rounding(self) -> str | None:
+        """Cause and remedy if it is rounding that has kept the last solve from its tolerance, else None."""
+        return describe_rounding(*self._last, self._farthest, single=self._single)
+
+    def _count(self, iterations: int, last: Evaluation, first: float, *, found: bool) -> bool:
         done = self.statistics
         done.solves += 1
         done.iterations += iterations
         done.most_iterations = max(done.most_iterations, iterations)
-        done.worst_residual = max(done.worst_residual, residual)
+        done.worst_residual = max(done.worst_residual, last.residual / (max(last.scale, first) or 1.0))
+        self._last = last, first
+        if not found:
+            self._farthest = float(np.linalg.norm(self._state.u.numpy(), axis=1).max())
         return found
 
-    def _search(self, start: _Evaluation, *, jumps: bool) -> tuple[_Evaluation, bool] | None:
+    def _search(self, start: Evaluation, *, jumps: bool) -> tuple[Evaluation, bool] | None:
         """Armijo backtracking along the change: the evaluation there, and whether the full step was taken.
 
         None if no step length decreases the potential. While held axes move, the potential gives no criterion, and the
@@ -230,12 +248,13 @@ class Newton:
             part *= min(max(best, 0.1), 0.5)
         return None
 
-    def _evaluation(self, name: str, launch: Callable[[], None]) -> _Evaluation:
+    def _evaluation(self, name: str, launch: Callable[[], None]) -> Evaluation:
         self._run(name, launch)
         numbers = self._numbers.numpy()
-        return _Evaluation(
+        return Evaluation(
             residual=math.sqrt(numbers[names.RESIDUAL]),
             scale=math.sqrt(numbers[names.SCALE]),
+            rounding=math.sqrt(numbers[names.ROUNDING]),
             potential=0.5 * float(numbers[names.POTENTIAL]),
             # at least the sum of the particles' magnitudes
             terms=0.5 * math.sqrt(self._n * float(numbers[names.POTENTIAL + 1])),
@@ -247,11 +266,13 @@ class Newton:
         for _, launch in self._model.passes:
             launch(state, 0, self._n)
         self._model.launch_energy(state, self._energy)
-        inputs = [self._free, self._mass, self.inertia, state.u, self.center, state.force, self.applied, self._energy]
-        outputs = [vectors(self._residual), vectors(self._scale), self._potential]
+        inputs = [self._free, self._mass, self.inertia, self._stiffness]
+        inputs += [state.u, self.center, state.force, self.applied, self._energy]
+        outputs = [vectors(self._residual), vectors(self._scale), vectors(self._rounded), self._potential]
         self._launch(self._kernels.residual, inputs, outputs)
         self._store(names.RESIDUAL, self._sums[0].launch(self._residual, self._residual, self._change))
         self._store(names.SCALE, self._sums[0].launch(self._scale, self._scale, self._scale))
+        self._store(names.ROUNDING, self._sums[0].launch(self._rounded, self._rounded, self._rounded))
         self._store(names.POTENTIAL, self._sums[1].launch(self._potential, self._ones, self._potential))
 
     def _find_direction(self) -> None:

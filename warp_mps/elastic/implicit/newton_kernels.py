@@ -5,6 +5,13 @@ The potential that is minimized over the displacements of the free axes is
     Pi(u) = W(u) - f . u + a/2 (u - c) . m (u - c),   -dPi/du = r = f_el(u) + f - a m (u - c)
 
 with the elastic energy W, applied forces f that do not depend on u, and in a step of time an inertia a about a place c.
+
+The residual cannot become smaller than the rounding of the forces that cancel in it. Displacements are known to
+eps |u|, eps the unit roundoff, and the pair forces and the inertia answer to that by
+
+    r_round = eps (|K_ii| + m a) |u|
+
+with the diagonal block K_ii of the tangent at rest: a stiff body that has moved far as a whole has a large one.
 """
 
 import functools
@@ -15,9 +22,13 @@ import warp as wp
 from warp_mps.core.types import NumericTypes
 from warp_mps.elastic.implicit.tangent_kernels import METHOD
 
-# Values that the host reads: the square of the residual, r . du, the square of its scale, and twice the potential. Sums
-# come in pairs: the last value is the sum of squares of the terms of the potential.
-RESIDUAL, SLOPE, SCALE, POTENTIAL, NUMBERS = 0, 1, 2, 3, 5
+# Values that the host reads: the square of the residual, r . du, the squares of its scale and of its rounding, and
+# twice the potential. Sums come in pairs: the last value is the sum of squares of the terms of the potential.
+RESIDUAL, SLOPE, SCALE, ROUNDING, POTENTIAL, NUMBERS = 0, 1, 2, 3, 4, 6
+
+
+# relative error of a number that is stored
+UNIT_ROUNDOFF = {"float64": 2.0**-53, "float32": 2.0**-24}
 
 
 @functools.cache
@@ -26,6 +37,8 @@ def newton_kernels(types: NumericTypes) -> SimpleNamespace:
     real, vec, d = types.real, types.vec, types.dimension
     real64 = wp.float64
     vec64 = wp.types.vector(length=d, dtype=wp.float64)
+    mat64 = wp.types.matrix(shape=(d, d), dtype=wp.float64)
+    roundoff = UNIT_ROUNDOFF[types.precision]
 
     @types.kernel(METHOD)
     def residual(
@@ -33,6 +46,7 @@ def newton_kernels(types: NumericTypes) -> SimpleNamespace:
         free: wp.array(dtype=vec),  # 1 on free axes, 0 on held ones, [n]
         mass: wp.array(dtype=real),  # masses [kg], [n]
         inertia: wp.array(dtype=wp.float64),  # inertia a of the step, 0 in statics [1/s^2], [1]
+        stiffness: wp.array(dtype=mat64),  # magnitudes of the diagonal blocks K_ii at rest [N/m], [n]
         # State in:
         u: wp.array(dtype=vec),  # displacements u [m], [n]
         center: wp.array(dtype=vec),  # places c [m], [n]
@@ -42,9 +56,10 @@ def newton_kernels(types: NumericTypes) -> SimpleNamespace:
         # State out:
         residual_out: wp.array(dtype=vec64),  # residual r [N], [n]
         scale_out: wp.array(dtype=vec64),  # scale of the residual [N], [n]
+        rounding_out: wp.array(dtype=vec64),  # rounding of the residual [N], [n]
         potential_out: wp.array(dtype=wp.float64),  # twice the potential [J], [n]
     ):
-        """Residual r of free axes, potential Pi, and scale of r: applied forces, on held axes the elastic ones."""
+        """Residual r and its rounding on free axes, potential Pi; scale of r: applied forces, elastic on held axes."""
         i = wp.tid()
         f = vec64(force[i])
         load = vec64(applied[i])
@@ -52,12 +67,16 @@ def newton_kernels(types: NumericTypes) -> SimpleNamespace:
         pull = (inertia[0] * real64(mass[i])) * away
         r = f + load - pull
         scale = load
+        size = wp.abs(vec64(u[i]))
+        rounding = real64(roundoff) * (stiffness[i] * size + (inertia[0] * real64(mass[i])) * size)
         for axis in range(wp.static(d)):
             if free[i][axis] == real(0.0):
                 r[axis] = real64(0.0)
                 scale[axis] = f[axis]
+                rounding[axis] = real64(0.0)
         residual_out[i] = r
         scale_out[i] = scale
+        rounding_out[i] = rounding
         potential_out[i] = real64(2.0) * (real64(energy[i]) - wp.dot(load, vec64(u[i]))) + wp.dot(pull, away)
 
     @types.kernel(METHOD)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -84,17 +85,18 @@ class ImplicitSolid(ElasticSystem):
         """Evaluate the forces of the initial state, with which the first step begins."""
         self._step.start()
 
-    def advance(self, time: float, *, tolerance: float | None = None) -> None:
+    def advance(self, time: float, *, tolerance: float | None = None, share: float = math.inf) -> None:
         """Advance to a time [s] by one step.
 
         Args:
             time: The time [s].
             tolerance: Residual of the step relative to its forces, if not the default.
+            share: Largest residual, as a share of the forces that act in the step.
 
         Raises:
             RunError: The step's equation was not solved; the state is the one before.
         """
-        self._step.advance(time, tolerance)
+        self._step.advance(time, tolerance, share)
 
     def save(self) -> None:
         """Keep the present state on the device."""

@@ -102,10 +102,10 @@ class LoadSteps:
 
     def _not_found(self) -> str:
         """Why there may be no further equilibrium, and which particle was furthest from it."""
-        causes = "a body is held too little to stay where it is, it buckles, or more load steps are needed"
-        if self._parts.types.precision == "float32":
-            # the rounding of the large forces that cancel exceeds the tolerance of the residual
-            causes += "; or it is too slender for single precision"
+        causes = (
+            self.newton.describe_rounding()
+            or "a body is held too little to stay where it is, it buckles, or more load steps are needed"
+        )
         worst = self._parts.particles.describe(self.newton.worst_particle())
         factor = f"{self._reached:.6g}"
         return f"no equilibrium was found beyond a load factor of {factor}: {causes}; {worst} was furthest from it"

@@ -77,8 +77,8 @@ class ThetaStep:
         wp.copy(self._mean_velocity, state.v)
         self._complete()
 
-    def advance(self, time: float, tolerance: float | None) -> None:
-        """Advance to a time [s] by one step, solved to a residual relative to its forces.
+    def advance(self, time: float, tolerance: float | None, share: float) -> None:
+        """Advance to a time [s] by one step, solved to a residual relative to its forces; see `Newton.solve`.
 
         Raises:
             RunError: The step's equation was not solved; the state is the one before.
@@ -90,7 +90,8 @@ class ThetaStep:
         boundary.supports_at(self._end, self._end_velocity, state.driven, parts.mass, time)
         self._find_load(time, ahead=time - self._time)
         self._replay("begin", self._assemble)
-        if not self.newton.solve(jumps=boundary.supports_move, measure=True, guess=self._guess, tolerance=tolerance):
+        options: dict[str, Any] = {"guess": self._guess, "tolerance": tolerance, "share": share}
+        if not self.newton.solve(jumps=boundary.supports_move, measure=True, **options):
             wp.copy(state.u, self._u_before)
             wp.copy(self._load, self._load_before)
             parts.inversions.recall()
@@ -135,9 +136,10 @@ class ThetaStep:
 
     def _not_solved(self, time: float) -> str:
         worst = self._parts.particles.describe(self.newton.worst_particle())
+        why = self.newton.describe_rounding() or "shorten the time step, or the bodies are crushed"
         return (
-            f"the step from {self._time:.6g} to {time:.6g} s was not solved: shorten the time step, or the bodies "
-            f"are crushed; {worst} was furthest from a solution"
+            f"the step from {self._time:.6g} to {time:.6g} s was not solved: {why}; {worst} was furthest from a "
+            "solution"
         )
 
     def _find_load(self, time: float, *, ahead: float = 0.0) -> None:
