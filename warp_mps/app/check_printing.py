@@ -10,9 +10,13 @@ from rich.table import Table
 from warp_mps.app.printing import console, plain_table
 from warp_mps.results.formatting import duration, memory
 from warp_mps.run.inventory.case_check import CaseCheck, check
+from warp_mps.run.inventory.flotation import Flotation
 from warp_mps.run.inventory.items import ItemCheck
 from warp_mps.run.schedule import Clock
 from warp_mps.scene import Scene
+
+# in spacings: smaller misfits and gaps are not printed
+LEAST_MISFIT = 0.01
 
 
 def print_check(scene: Scene, *, as_json: bool = False) -> int:
@@ -77,9 +81,24 @@ def _item_rows(item: ItemCheck, scene: Scene) -> Iterator[tuple[str, str]]:
     if item.size_in_stage:
         size += f", {_times(item.size_in_stage)} units of the stage"
     yield "  size, from", f"{size}, {_point(item.low, item.spacing)} m"
-    yield "  particles", f"{item.particles} of {item.spacing:g} m"
+    across = f", {_times(item.lattice.across)} at most" if item.lattice else ""
+    yield "  particles", f"{item.particles} of {item.spacing:g} m{across}"
+    if item.lattice and abs(item.lattice.worst) > LEAST_MISFIT:
+        ends = "; ".join(f"{low:+.3g} {high:+.3g}" for low, high in item.lattice.misfit)
+        yield "  beyond the drawn faces, in spacings", ends
+    yield from _mass_rows(item, plane)
+    if item.flotation:
+        yield from _flotation_rows(item.flotation)
+    if item.wet_sides:
+        yield "  wet on", ", ".join(item.wet_sides)
+    apart = [gap for gap in item.gaps if abs(gap.gap) > LEAST_MISFIT]
+    if apart:
+        yield "  gaps, in spacings", ", ".join(f"{gap.gap:.3g} {gap.side} to {gap.neighbour}" for gap in apart)
+
+
+def _mass_rows(item: ItemCheck, plane: bool) -> Iterator[tuple[str, str]]:
     properties = item.mass
-    yield "  area" if plane else "  volume", f"{properties.volume:.6g} m^{scene.dimension}"
+    yield "  area" if plane else "  volume", f"{properties.volume:.6g} m^{2 if plane else 3}"
     centre = f"{_point(properties.centre, item.spacing)} m"
     if properties.mass is None or properties.inertia is None:
         yield "  centre", centre
@@ -89,6 +108,15 @@ def _item_rows(item: ItemCheck, scene: Scene) -> Iterator[tuple[str, str]]:
         yield f"    of {share.name}", f"{share.particles} particles, {share.mass:.6g} {'kg/m' if plane else 'kg'}"
     moments = ", ".join(f"{row[k]:.4g}" for k, row in enumerate(properties.inertia))
     yield "  centre of gravity, inertia about it", f"{centre}, {moments} {'kg m' if plane else 'kg m^2'}"
+
+
+def _flotation_rows(found: Flotation) -> Iterator[tuple[str, str]]:
+    if found.draught is None:
+        yield "  floats", f"no: it sinks; drawn at a draught of {found.drawn:.4g} m"
+        return
+    yield "  draught", f"{found.draught:.4g} m in equilibrium, {found.drawn:.4g} m as drawn"
+    fate = "" if (found.metacentric_height or 0.0) > 0.0 else ", it capsizes"
+    yield "  metacentric height", f"{found.metacentric_height:.4g} m{fate}"
 
 
 def _times(lengths: Sequence[float]) -> str:

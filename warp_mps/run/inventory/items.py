@@ -7,7 +7,11 @@ from typing import Literal
 
 import numpy as np
 
+from warp_mps.particles.met_faces import Fits
 from warp_mps.particles.particles import Particles
+from warp_mps.run.inventory.flotation import Flotation, flotations
+from warp_mps.run.inventory.gaps import Gap, gaps
+from warp_mps.run.inventory.lattice_fit import LatticeFit, lattice_fit
 from warp_mps.run.inventory.mass_properties import MassProperties, mass_properties
 from warp_mps.scene import Body, Fluid, Scene, Wall
 from warp_mps.scene.validation.rules import kind_of, place
@@ -45,6 +49,9 @@ class ItemCheck:
         particles: Number of particles.
         mass: Its mass properties.
         parts: Shares of a body's materials, empty unless it has parts.
+        lattice: How its particles lie in the drawn shape; None for ready-made particles.
+        flotation: How it floats, if it is a free body in a scene of fluids with gravity, else None.
+        gaps: Gaps to neighbours within two spacings, one for each side; walls are no neighbours of walls.
     """
 
     name: str
@@ -56,15 +63,35 @@ class ItemCheck:
     low: tuple[float, ...]
     particles: int
     mass: MassProperties
-    parts: tuple[PartShare, ...] = ()
+    parts: tuple[PartShare, ...]
+    lattice: LatticeFit | None
+    flotation: Flotation | None
+    gaps: tuple[Gap, ...]
+
+    @property
+    def wet_sides(self) -> tuple[str, ...]:
+        """Sides on which it is in touch with a fluid: ``-x``, ``+x``, ``-y``, ..."""
+        return tuple(sorted({gap.side for gap in self.gaps if gap.wet}, key=lambda side: (side[1], side[0] == "+")))
 
 
 def check_items(scene: Scene, particles: Particles) -> tuple[ItemCheck, ...]:
     """Bodies, walls and fluids of a scene, in the order of its particles."""
-    return tuple(_item(scene, particles, number, item) for number, item in enumerate(scene.filled))
+    floating, fits, beside = flotations(scene, particles), Fits(scene), gaps(particles)
+    return tuple(
+        _item(scene, particles, number, item, fits, floating.get(item.name), beside[number])
+        for number, item in enumerate(scene.filled)
+    )
 
 
-def _item(scene: Scene, particles: Particles, number: int, item: Body | Wall | Fluid) -> ItemCheck:
+def _item(
+    scene: Scene,
+    particles: Particles,
+    number: int,
+    item: Body | Wall | Fluid,
+    fits: Fits,
+    floats: Flotation | None,
+    beside: tuple[Gap, ...],
+) -> ItemCheck:
     rows = slice(*particles.ranges[number])
     masses = None if isinstance(item, Wall) else particles.masses[rows]
     bounds = np.array([item.shape.interval(axis) for axis in np.eye(3)[: scene.dimension]])
@@ -80,6 +107,9 @@ def _item(scene: Scene, particles: Particles, number: int, item: Body | Wall | F
         particles=int(rows.stop - rows.start),
         mass=mass_properties(particles.positions[rows], masses, particles.spacings[rows]),
         parts=_parts(scene, particles, item),
+        lattice=lattice_fit(item, particles.positions[rows], fits),
+        flotation=floats if isinstance(item, Body) else None,
+        gaps=beside,
     )
 
 

@@ -1,0 +1,171 @@
+"""How a free body floats: its draught and its stability, by hydrostatics.
+
+    rho V(draught) = M,    GM = KB + I/V - KG
+
+V is the volume below the water line, I the second moment of the water plane about its centroid, K the lowest point,
+B the centre of buoyancy, G the centre of gravity. The inside of a hull is dry below its rim: water rises into a place
+only over the lowest way that leads to it.
+"""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import dataclass
+
+import numpy as np
+
+from warp_mps.particles.particles import Particles
+from warp_mps.particles.selection import select_held
+from warp_mps.scene import Scene
+from warp_mps.scene.bonds import bonded_bodies
+
+# cells of the box about a body up to which its inside is looked for
+MOST_CELLS = 4_000_000
+
+
+@dataclass(frozen=True, kw_only=True)
+class Flotation:
+    """The equilibrium of a free body in still water, without turning it; bodies that are bonded float as one.
+
+    Attributes:
+        draught: Depth of its lowest point below the water line [m]; None where it sinks.
+        drawn: The same as it is drawn, from the highest point of the fluids [m].
+        displaced: Displaced volume in equilibrium [m^3], in 2-D area [m^2]; None where it sinks.
+        metacentric_height: GM [m], in 3-D the lesser of both axes; below 0 it capsizes; None where it sinks.
+    """
+
+    draught: float | None
+    drawn: float
+    displaced: float | None
+    metacentric_height: float | None
+
+
+def flotations(scene: Scene, particles: Particles) -> dict[str, Flotation]:
+    """How the bodies float that are free to, by name."""
+    gravity = np.asarray(scene.gravity if len(scene.gravity) else np.zeros(scene.dimension), float)
+    if not scene.fluids or not scene.bodies or not gravity.any():
+        return {}
+    held = {int(number) for item in scene.supports for number in particles.bodies[select_held(particles, item)]}
+    up = -gravity / np.linalg.norm(gravity)
+    spacing = scene.fluids[0].spacing
+    level = float((particles.positions[particles.count - particles.liquid :] @ up).max()) + 0.5 * spacing
+    found = {}
+    for body in scene.bodies:
+        group = [scene.bodies.index(other) for other in bonded_bodies(body, scene.bodies)]
+        if not held.isdisjoint(group):
+            continue
+        rows = np.isin(particles.bodies, group)
+        density = scene.fluids[0].liquid.density
+        found[body.name] = flotation(
+            particles.positions[rows], particles.masses[rows], body.spacing, up, density, level
+        )
+    return found
+
+
+def flotation(
+    positions: np.ndarray, masses: np.ndarray, spacing: float, up: np.ndarray, density: float, level: float
+) -> Flotation:
+    """How particles float as one body.
+
+    Args:
+        positions: Positions [m], shape [n, d].
+        masses: Masses [kg], in 2-D [kg/m], shape [n].
+        spacing: Particle spacing [m].
+        up: Unit vector against gravity, shape [d].
+        density: Density of the liquid [kg/m^3].
+        level: Height of its surface along `up` [m].
+    """
+    basis = _basis(up)
+    x = positions @ basis.T
+    keel = float(x[:, -1].min()) - 0.5 * spacing
+    cells, floods = _cells(x, spacing)
+    bottoms = cells[:, -1] - 0.5 * spacing - keel
+    drawn = level - keel
+    volume = spacing ** x.shape[1]
+    draught = _draught(bottoms, floods - keel, spacing, volume, float(masses.sum()) / density)
+    if draught is None:
+        return Flotation(draught=None, drawn=drawn, displaced=None, metacentric_height=None)
+    dry = floods - keel >= draught
+    wet_part = np.clip((draught - bottoms) / spacing, 0.0, 1.0) * dry
+    displaced = float(wet_part.sum()) * volume
+    buoyancy = float(wet_part @ (bottoms + 0.5 * spacing * wet_part)) * volume / displaced
+    gravity_centre = float(masses @ x[:, -1]) / float(masses.sum()) - keel
+    plane = cells[(wet_part > 1e-9) & (bottoms + spacing >= draught - 1e-9 * spacing), :-1]
+    moment = _least_moment(plane, spacing)
+    height = buoyancy + moment / displaced - gravity_centre
+    return Flotation(draught=draught, drawn=drawn, displaced=displaced, metacentric_height=height)
+
+
+def _basis(up: np.ndarray) -> np.ndarray:
+    """Rows of an orthonormal basis, the last one up; the others along axes of the scene where up is one."""
+    others = np.eye(len(up))[np.argsort(np.abs(up), kind="stable")[: len(up) - 1]]
+    full, _ = np.linalg.qr(np.column_stack((up, others.T)))
+    return np.vstack((full.T[1:], up))
+
+
+def _cells(x: np.ndarray, spacing: float) -> tuple[np.ndarray, np.ndarray]:
+    """Centres of the cells of a body and of its insides [m], and the heights above which water fills them [m].
+
+    The cells of the body itself are never filled.
+    """
+    low = x.min(axis=0)
+    number = np.round((x - low) / spacing).astype(np.int64)
+    shape = tuple((number.max(axis=0) + 3).tolist())
+    on_lattice = np.abs((x - low) / spacing - number).max() < 0.1
+    if np.prod(shape, dtype=float) > MOST_CELLS or not on_lattice:
+        return x, np.full(len(x), np.inf)
+    solid = np.zeros(shape, bool)
+    solid[tuple((number + 1).T)] = True
+    spill = _spill_layers(solid)
+    inside = np.argwhere(~solid & (spill > np.arange(shape[-1])))
+    tops = low[-1] + (spill[tuple(inside.T)] - 1.5) * spacing
+    return np.vstack((x, low + (inside - 1) * spacing)), np.concatenate((np.full(len(x), np.inf), tops))
+
+
+def _spill_layers(solid: np.ndarray) -> np.ndarray:
+    """Layer up to which water must rise to reach each cell, its own where it flows in freely; huge where it cannot."""
+    never = np.iinfo(np.int64).max
+    spill = np.full(solid.shape, never)
+    reached = solid.copy()
+    steps = [np.eye(solid.ndim, dtype=np.int64)[axis] * sign for axis in range(solid.ndim) for sign in (-1, 1)]
+    border = np.zeros(solid.shape, bool)
+    for axis in range(solid.ndim - 1):
+        border[(slice(None),) * axis + ([0, -1],)] = True
+    border[..., 0] = True
+    waiting = np.zeros((0, solid.ndim), np.int64)
+    for layer in range(solid.shape[-1]):
+        start = np.argwhere(border[..., layer] & ~reached[..., layer])
+        front = np.column_stack((start, np.full(len(start), layer)))
+        front = np.unique(np.vstack((front, waiting[waiting[:, -1] <= layer])), axis=0)
+        waiting = waiting[waiting[:, -1] > layer]
+        front = front[~reached[tuple(front.T)]]
+        while len(front):
+            reached[tuple(front.T)] = True
+            spill[tuple(front.T)] = layer
+            beside = np.unique(np.vstack([front + step for step in steps]), axis=0)
+            beside = beside[np.all((beside >= 0) & (beside < solid.shape), axis=1)]
+            beside = beside[~reached[tuple(beside.T)]]
+            waiting = np.vstack((waiting, beside[beside[:, -1] > layer]))
+            front = beside[beside[:, -1] <= layer]
+    return spill
+
+
+def _draught(bottoms: np.ndarray, floods: np.ndarray, spacing: float, volume: float, wanted: float) -> float | None:
+    """The least draught at which the cells displace a volume; None where they never do."""
+    knots = np.unique(np.round(np.concatenate((bottoms, bottoms + spacing, floods[np.isfinite(floods)])), 12))
+    for low, high in itertools.pairwise(knots.tolist()):
+        dry = floods >= high - 1e-9 * spacing
+        start, end = (volume * float((np.clip((at - bottoms) / spacing, 0.0, 1.0) * dry).sum()) for at in (low, high))
+        if end >= wanted * (1.0 - 1e-12) and end > start:
+            return float(low + (high - low) * max(0.0, wanted - start) / (end - start))
+    return None
+
+
+def _least_moment(plane: np.ndarray, spacing: float) -> float:
+    """Least second moment of a water plane of cells about an axis through its centroid [m^4], in 2-D [m^3]."""
+    if not len(plane):
+        return 0.0
+    arms = plane - plane.mean(axis=0)
+    area = spacing ** plane.shape[1]
+    tensor = area * (arms.T @ arms + len(plane) * spacing**2 / 12.0 * np.eye(plane.shape[1]))
+    return float(np.linalg.eigvalsh(tensor)[0])
