@@ -55,16 +55,19 @@ def full(case: Case, out: Path, rows: int) -> str:
 
 
 def full_for_a_checkpoint(case: Case, out: Path, rows: int) -> str:
-    """The disk takes no further checkpoint, while rows and frames still find room: what it is written to is full."""
+    """No further checkpoint can be written, while rows and frames can: a folder is in the place of the one before."""
+    before = out / "checkpoint.prev.npz"
     with running(case, out) as process:
         wait_for_rows(process, out, rows)
-        # between two checkpoints there is no such file
         while process.poll() is None:
-            with contextlib.suppress(FileExistsError):
-                (out / "checkpoint.npz.new").symlink_to("/dev/full")
+            # the run may put the file back in between
+            with contextlib.suppress(OSError):
+                before.unlink(missing_ok=True)
+                before.mkdir()
                 break
         code, line = ending(process)
-    assert (code, "checkpoint.npz: cannot be written: No space left" in line) == (3, True), (code, line)
+    assert (code, "checkpoint.npz: cannot be written: Is a directory" in line) == (3, True), (code, line)
+    before.rmdir()
     return line
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -40,8 +41,18 @@ def refuse_existing(path: Path, overwrite: bool) -> None:
     Raises:
         InputError: The file exists and may not be replaced.
     """
-    if path.exists() and not overwrite:
+    if os.path.lexists(path) and not overwrite:
         raise InputError(str(path), "", "exists; use --overwrite to replace it (in Python overwrite=True)")
+
+
+def refuse_link(folder: Path) -> None:
+    """Refuse to write many files into a folder that is elsewhere, where the same names may belong to others.
+
+    Raises:
+        InputError: The folder is a link.
+    """
+    if folder.is_symlink():
+        raise InputError(str(folder), "", "is a link to another folder, must be a folder; remove the link")
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import hashlib
 import json
 import os
@@ -18,6 +17,8 @@ import numpy as np
 from warp_mps.core.interrupts import defer_interrupts
 from warp_mps.errors import InputError, RunError
 from warp_mps.observers.base import Observer, View
+from warp_mps.results.atomic_write import replacing
+from warp_mps.results.regular_file import open_regular
 
 # version of the format, raised whenever arrays or their meaning change: 2 since implicit solids have a coarse level and
 # water is mirrored in its walls
@@ -119,20 +120,17 @@ def save_checkpoint(folder: Path, fingerprint: str, checkpoint: Checkpoint) -> N
         "time": checkpoint.time,
     }
     metadata["sha256"] = _digest(metadata, checkpoint.arrays)
-    newest, temporary = folder / NAME, folder / (NAME + ".new")
+    newest = folder / NAME
     try:
-        with temporary.open("wb") as file:
-            _write(file, _entries(metadata, checkpoint.arrays))
-            file.flush()
-            os.fsync(file.fileno())
-        if newest.exists():
-            os.replace(newest, folder / PREVIOUS)
-        os.replace(temporary, newest)
+        with replacing(newest) as temporary:
+            with temporary.open("wb") as file:
+                _write(file, _entries(metadata, checkpoint.arrays))
+                file.flush()
+                os.fsync(file.fileno())
+            if newest.exists():
+                os.replace(newest, folder / PREVIOUS)
         _sync(folder)
     except OSError as error:
-        # an incomplete checkpoint is useless, and the disk may be full
-        with contextlib.suppress(OSError):
-            temporary.unlink(missing_ok=True)
         raise RunError(f"{newest}: cannot be written: {error.strerror}") from error
 
 
@@ -164,7 +162,7 @@ def load_checkpoint(
 def _read(path: Path, fingerprint: str) -> Checkpoint | None:
     """Read a checkpoint; None if it is truncated or altered."""
     try:
-        with np.load(path, allow_pickle=False) as file:
+        with open_regular(path) as opened, np.load(opened, allow_pickle=False) as file:
             entries = {name: file[name] for name in file.files}
         metadata = json.loads(str(entries.pop(METADATA)))
         arrays = {name.removeprefix(PREFIX): array for name, array in entries.items()}

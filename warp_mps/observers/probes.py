@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import csv
 import math
+import os
 from pathlib import Path
 
 from warp_mps.errors import InputError, RunError
@@ -12,6 +12,7 @@ from warp_mps.observers.sampling import make_sampler
 from warp_mps.particles.particles import Particles
 from warp_mps.results.energy import ENERGY_NAMES
 from warp_mps.results.history import TIME_LABEL, History, energy_labels, format_row, read_history, write_history
+from warp_mps.results.regular_file import open_regular
 from warp_mps.scene import Scene
 
 
@@ -59,8 +60,10 @@ class ProbeRecorder(Observer):
 
     def _write(self, row: list[float]) -> None:
         try:
-            with self._path.open("a", newline="", encoding="utf-8") as file:
-                csv.writer(file, lineterminator="\n").writerow(format_row(row))
+            # a link in its place would lead elsewhere
+            flags = os.O_WRONLY | os.O_APPEND | getattr(os, "O_NOFOLLOW", 0)
+            with open_regular(self._path, flags) as file:
+                file.write(f"{','.join(format_row(row))}\n".encode())
         except OSError as error:
             raise RunError(f"{self._path}: cannot be written: {error.strerror}") from error
 

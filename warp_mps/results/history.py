@@ -13,6 +13,7 @@ import numpy as np
 from warp_mps.errors import InputError
 from warp_mps.results.atomic_write import write_whole
 from warp_mps.results.energy import ENERGY_NAMES, Energy
+from warp_mps.results.regular_file import read_regular
 
 TIME_LABEL = "time [s]"
 
@@ -114,7 +115,7 @@ def read_history(path: str | Path) -> History:
         InputError: The file is missing or holds something else.
     """
     try:
-        text = Path(path).read_text(encoding="utf-8")
+        text = read_regular(path)
         lines = list(csv.reader(text[: text.rfind("\n") + 1].splitlines()))
     except OSError as error:
         raise InputError(str(path), "", f"cannot be read: {error.strerror}") from error

@@ -14,6 +14,7 @@ from warp_mps.results.energy import ENERGY_NAMES
 from warp_mps.results.formatting import duration, finite, percent
 from warp_mps.results.history import History
 from warp_mps.results.measures import evaluate
+from warp_mps.results.regular_file import read_regular
 
 if TYPE_CHECKING:
     from warp_mps.scene import Measurement, Scene
@@ -93,7 +94,7 @@ def read_summary(path: str | Path) -> RunSummary:
         InputError: The file is missing or is not the summary of a run.
     """
     try:
-        data = json.loads(Path(path).read_text(encoding="utf-8"))
+        data = json.loads(read_regular(path))
     except OSError as error:
         raise InputError(str(path), "", f"cannot be read: {error.strerror}") from error
     except ValueError as error:

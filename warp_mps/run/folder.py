@@ -9,8 +9,10 @@ from pathlib import Path
 from warp_mps.errors import InputError
 from warp_mps.observers import checkpoint as checkpoint_file
 from warp_mps.observers.checkpoint import Checkpoint, load_checkpoint
+from warp_mps.results.atomic_write import remove_left_behind
 
 ANIMATION, PROBES, SUMMARY = "run.usdc", "probes.csv", "run.json"
+RESULTS = (SUMMARY, PROBES, ANIMATION, checkpoint_file.NAME, checkpoint_file.PREVIOUS)
 
 
 def require_folder(folder: str | Path) -> Path:
@@ -49,15 +51,18 @@ def claim_folder(
     """
     if overwrite and resume:
         raise InputError(str(folder), "", "give either --overwrite or --resume, not both")
-    if folder.exists() and not folder.is_dir():
+    if os.path.exists(folder) and not os.path.isdir(folder):
         raise InputError(str(folder), "", "is a file; the output must be a folder")
+    # the folder is locked, so that they belong to no run that is at work
+    remove_left_behind(folder, *RESULTS)
     if resume:
         return load_checkpoint(folder, fingerprint, announce=announce)
-    if (folder / SUMMARY).exists() and not overwrite:
+    found = [name for name in RESULTS if os.path.lexists(folder / name)]
+    if found and not overwrite:
         raise InputError(
             str(folder),
             "",
-            "already has results; use --overwrite to replace or --resume to continue them "
+            f"already has results, {found[0]}; use --overwrite to replace or --resume to continue them "
             "(in Python overwrite=True or resume=True)",
         )
     _refuse_unwritable(folder)
@@ -66,15 +71,17 @@ def claim_folder(
 
 def remove_results(folder: Path) -> None:
     """Remove the results of an earlier run, so that none of them can be mistaken for this one's."""
-    for name in (ANIMATION, SUMMARY, checkpoint_file.NAME, checkpoint_file.PREVIOUS):
+    for name in RESULTS:
+        if name == PROBES:
+            continue  # of this run already
         (folder / name).unlink(missing_ok=True)
 
 
 def _refuse_unwritable(folder: Path) -> None:
     parent = folder
-    while not parent.exists():
+    while not os.path.exists(parent):
         parent = parent.parent
-    if not parent.is_dir():
+    if not os.path.isdir(parent):
         raise InputError(str(folder), "", f"cannot be made: {parent} is a file")
     if not os.access(parent, os.W_OK | os.X_OK):
         raise InputError(str(folder), "", f"cannot be written: no permission in {parent}")

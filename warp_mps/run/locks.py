@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import contextlib
+import errno
 import os
+import stat
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -48,10 +50,10 @@ def is_locked(folder: Path) -> bool | None:
     except ImportError:  # Windows
         return None
     try:
-        handle = os.open(folder / NAME, os.O_RDONLY)
+        handle = _open(folder / NAME, os.O_RDONLY)
     except FileNotFoundError:
         return False
-    except OSError:
+    except (OSError, InputError):
         return None
     try:
         fcntl.flock(handle, fcntl.LOCK_SH | fcntl.LOCK_NB)
@@ -68,7 +70,7 @@ def _make(folder: Path) -> list[Path]:
     """Make a folder; the folders that were not there, the innermost first."""
     missing = []
     for part in (folder, *folder.parents):
-        if part.exists():
+        if os.path.exists(part):
             break
         missing.append(part)
     # a later write reports why the folder cannot be made
@@ -89,7 +91,7 @@ def _lock(folder: Path) -> int | None:
         return None
     while True:
         try:
-            handle = os.open(folder / NAME, os.O_RDWR | os.O_CREAT, 0o666)
+            handle = _open(folder / NAME, os.O_RDWR | os.O_CREAT)
         except OSError:
             return None
         try:
@@ -109,6 +111,31 @@ def _lock(folder: Path) -> int | None:
             os.close(handle)
             return None
         os.close(handle)
+
+
+def _open(path: Path, flags: int) -> int:
+    """Open the file of a lock, without following a link or waiting for a pipe.
+
+    Raises:
+        InputError: It is no file of its own.
+        OSError: It cannot be opened.
+    """
+    try:
+        handle = os.open(path, flags | os.O_NOFOLLOW | os.O_NONBLOCK, 0o666)
+    except OSError as error:
+        # what Linux and BSD say of a link and of a folder
+        if error.errno in (errno.ELOOP, errno.EMLINK, errno.EISDIR):
+            raise _foreign(path) from None
+        raise
+    found = os.fstat(handle)
+    if not stat.S_ISREG(found.st_mode) or found.st_nlink > 1:
+        os.close(handle)
+        raise _foreign(path)
+    return handle
+
+
+def _foreign(path: Path) -> InputError:
+    return InputError(str(path), "", "is no file of its own, as a run makes it to lock its folder; remove it")
 
 
 def _is_current(handle: int, path: Path) -> bool:

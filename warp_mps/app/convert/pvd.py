@@ -6,10 +6,10 @@ from pathlib import Path
 
 import numpy as np
 
-from warp_mps.app.animation_reader import UNITS, Animation, refuse_existing
+from warp_mps.app.animation_reader import UNITS, Animation, refuse_existing, refuse_link
 from warp_mps.app.convert.vtp import collection, polydata
 from warp_mps.errors import InputError
-from warp_mps.results.atomic_write import write_whole
+from warp_mps.results.atomic_write import create_file, write_whole
 
 
 def convert_to_pvd(folder: Path, *, overwrite: bool = False) -> int:
@@ -27,6 +27,7 @@ def convert_to_pvd(folder: Path, *, overwrite: bool = False) -> int:
     animation = Animation(folder)
     target = folder / "pvd"
     refuse_existing(target / "run.pvd", overwrite)
+    refuse_link(target)
     try:
         files = _write(animation, target)
     except OSError as error:
@@ -51,7 +52,8 @@ def _write(animation: Animation, target: Path) -> list[tuple[float, str, str]]:
     for frame, time in enumerate(animation.times):
         for number, cloud in enumerate(animation.clouds):
             name = f"{cloud.name}_{frame:0{digits}d}.vtp"
-            (target / name).write_text(_text(animation, number, frame), encoding="utf-8")
+            with create_file(target / name) as file:
+                file.write(_text(animation, number, frame).encode())
             files.append((float(time), cloud.name, name))
     write_whole(target / "run.pvd", collection(files))
     return files

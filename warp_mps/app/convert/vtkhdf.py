@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from warp_mps.app.animation_reader import Animation, refuse_existing
+from warp_mps.app.animation_reader import Animation, refuse_existing, refuse_link
 from warp_mps.app.convert.pvd import units_of
 from warp_mps.app.view.figures import write_file
 from warp_mps.errors import InputError
@@ -33,6 +33,7 @@ def convert_to_vtkhdf(folder: Path, *, overwrite: bool = False) -> int:
     if find_spec("h5py") is None:
         raise InputError("--to", "", "vtkhdf needs h5py: pip install warp_mps[vtkhdf], or choose pvd")
     animation = Animation(folder)
+    refuse_link(folder / "vtkhdf")
     paths = [folder / "vtkhdf" / f"{cloud.name}.vtkhdf" for cloud in animation.clouds]
     for path in paths:
         refuse_existing(path, overwrite)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -11,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import matplotlib as mpl
 
 from warp_mps.errors import InputError
+from warp_mps.results.atomic_write import replacing
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -81,13 +81,9 @@ def write_file(path: Path, write: Callable[[Path], object]) -> None:
     Raises:
         InputError: It cannot be written.
     """
-    temporary = path.with_name(f".new.{path.name}")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        write(temporary)
-        os.replace(temporary, path)
-    except BaseException as error:
-        temporary.unlink(missing_ok=True)
-        if isinstance(error, OSError):
-            raise InputError(str(path), "", f"cannot be written: {error.strerror}") from error
-        raise
+        with replacing(path) as temporary:
+            write(temporary)
+    except OSError as error:
+        raise InputError(str(path), "", f"cannot be written: {error.strerror}") from error

@@ -120,6 +120,7 @@ class PointsFile:
     def compact(self) -> None:
         """Rewrite the file without the waste of earlier saves; if that fails, the file is unchanged."""
         layer, temporary = self._stage.GetRootLayer(), self.path.with_suffix(".whole.usdc")
+        temporary.unlink(missing_ok=True)
         try:
             if layer.Export(str(temporary)):
                 os.replace(temporary, self.path)
@@ -167,7 +168,7 @@ def open_until(path: Path, particles: Particles, last_code: float) -> Any:
     Raises:
         InputError: There is no such file, it is not a result of these particles, or it has no sample at that time code.
     """
-    if not path.exists():
+    if not os.path.isfile(path):
         raise InputError(str(path), "", "is missing, so the run cannot be continued; start a new run")
     try:
         layer = Sdf.Layer.OpenAsAnonymous(str(path))
