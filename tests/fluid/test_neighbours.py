@@ -9,7 +9,8 @@ import warp as wp
 from tests.fluid.scenes import KINDS, apart
 from warp_mps.core.device import open_device
 from warp_mps.core.types import numeric_types
-from warp_mps.fluid.neighbours import MOST_ROOM, NeighbourLists, expected_neighbours
+from warp_mps.fluid.neighbour_room import MOST_ROOM, expected_neighbours, most_particles
+from warp_mps.fluid.neighbours import NeighbourLists
 from warp_mps.scene.numerics import SKIN
 
 L0 = 0.1
@@ -200,6 +201,16 @@ def test_lists_grow_until_a_crowd_has_room() -> None:
         if lists.can_grow:
             lists.grow()
     assert lists.listed.shape[1] == MOST_ROOM * room
+
+
+def test_lists_do_not_grow_beyond_what_can_be_counted(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The rows of the pressure matrix have the room of the lists, and their places are counted in 32 bits."""
+    lists = Cloud(points(300), neighbours=24).lists
+    assert lists.can_grow
+    count, width = lists.listed.shape
+    monkeypatch.setattr("warp_mps.fluid.neighbours.MOST_ENTRIES", 2 * width * count - 1)
+    assert not lists.can_grow
+    assert most_particles(3, 2.1) * int(1.75 * 57) < 2**31 <= (most_particles(3, 2.1) + 1) * int(1.75 * 57)
 
 
 @pytest.mark.parametrize(

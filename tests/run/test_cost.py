@@ -11,12 +11,13 @@ import pytest
 from tests.coupling.scenes import lump, pool
 from tests.scenes import HAMILTONIAN, RUBBER, beam
 from warp_mps.errors import InputError
+from warp_mps.particles.filling import count_particles, fill_scene
 from warp_mps.run.cost import estimate, refuse_too_large
 from warp_mps.run.cost.work import START
 from warp_mps.run.run import run_scene
 from warp_mps.run.simulation import Simulation
 from warp_mps.scene import Body, Contact, Fluid, Scene, Wall
-from warp_mps.shapes import Box
+from warp_mps.shapes import Box, Cylinder
 from warp_mps.usd.case.read import read_stage
 from warp_mps.usd.shipped_cases import shipped_cases
 
@@ -69,6 +70,35 @@ def test_memory_is_refused_when_there_is_not_enough() -> None:
     with pytest.raises(InputError, match=r"body 'beam' spacing: 1e-08 m makes 3.2e\+13 particles; the run needs about"):
         refuse_too_large(fine)
     refuse_too_large(scene)
+
+
+def test_a_thin_ring_is_not_refused_for_the_lattice_about_it() -> None:
+    """A ring of radius 1 and thickness 0.02 at 0.01: 1244 particles in a lattice of 200 x 200."""
+    ring = Body(name="ring", shape=Cylinder(1.0, inner_radius=0.98), material=RUBBER, spacing=0.01)
+    scene = Scene(bodies=(ring,), duration=0.1)
+    needed = estimate(scene).memory
+    assert count_particles(scene) == {"ring": 40000}
+    assert count_particles(scene, exact=True) == {"ring": fill_scene(scene).count} == estimate(scene).particles
+    refuse_too_large(scene, available=1.01 * needed)
+    with pytest.raises(InputError, match=r"makes 12\d\d particles; the run needs about .* GiB of memory"):
+        refuse_too_large(scene, available=0.99 * needed)
+    with pytest.raises(InputError, match="GiB of GPU memory and 0 GiB are available"):
+        refuse_too_large(scene, available=0.0, memory="GPU memory")
+
+
+@pytest.mark.parametrize(("dimension", "side", "most"), [(2, 6000, "3.409e\\+07"), (3, 280, "2.169e\\+07")])
+def test_more_water_than_the_pressure_equation_can_count_is_refused(dimension: int, side: int, most: str) -> None:
+    """The places in the matrix are counted in 32 bits: 63 entries a row in 2-D, 99 in 3-D."""
+    for cells, fits in ((side, False), (side - 200, True)):
+        water = Fluid(name="water", shape=Box((0.01 * cells,) * dimension), spacing=0.01)
+        scene = Scene(fluids=(water,), dimension=dimension, duration=0.1)
+        if fits:
+            refuse_too_large(scene, available=math.inf)
+            continue
+        with pytest.raises(
+            InputError, match=f"fluid 'water' spacing: .* the pressure equation takes at most {most} of"
+        ):
+            refuse_too_large(scene, available=math.inf)
 
 
 def test_walls_are_counted() -> None:

@@ -8,34 +8,17 @@ A list has room for more neighbours than water has. Where a cluster of particles
 get twice the room, up to a limit; a cluster that comes at once, and does not fit, is left out of its lists until then.
 """
 
-import math
 from typing import Any
 
 import numpy as np
 import warp as wp
 
 from warp_mps.core.types import NumericTypes
-from warp_mps.core.weights import lattice_neighbours
+from warp_mps.fluid.neighbour_room import MOST_ENTRIES, MOST_ROOM, room_for
 from warp_mps.fluid.neighbour_search import neighbour_search_kernels, neighbour_table_struct
 from warp_mps.scene.numerics import SKIN
 
-# room for neighbours, in units of those in even water
-ROOM = 1.75
-# the room that they may have, in units of that at first
-MOST_ROOM = 8
 MOST_CELLS = {2: 4096, 3: 512}
-
-
-def expected_neighbours(dimension: int, effective_radius: float) -> int:
-    """Neighbours in a list of even water, the margin included: of a full lattice, or of disorder, which has no shells.
-
-    Args:
-        dimension: 2 or 3.
-        effective_radius: In spacings [-].
-    """
-    reach = effective_radius + SKIN
-    ball = math.pi * reach**2 if dimension == 2 else 4.0 / 3.0 * math.pi * reach**3
-    return max(lattice_neighbours(dimension, reach), round(ball) - 1)
 
 
 class NeighbourLists:
@@ -57,7 +40,7 @@ class NeighbourLists:
         periodic: Its periodic axes.
         radius: Effective radius [m].
         spacing: Particle spacing [m].
-        neighbours: Neighbours of even water, for which there is room and to spare; see `expected_neighbours`.
+        neighbours: Neighbours of even water, for which there is room and to spare; see `warp_mps.fluid.neighbour_room`.
         types: Number types.
         device: Warp device.
     """
@@ -88,7 +71,7 @@ class NeighbourLists:
         self.period = types.vec(*np.where(wraps, size, 0.0))
         self._grid = wp.HashGrid(*(*dims, 1)[:3], device=device, dtype=types.real)
         self._grid.reserve(count)
-        width = int(ROOM * neighbours)
+        width = room_for(neighbours)
         self._points = wp.zeros(count, dtype=types.vec3, device=device)
         self.x_listed = wp.zeros(count, dtype=types.vec, device=device)
         self.listed = wp.zeros((count, width), dtype=wp.int32, device=device)
@@ -117,8 +100,9 @@ class NeighbourLists:
 
     @property
     def can_grow(self) -> bool:
-        """Whether the lists may have more room."""
-        return 2 * self.listed.shape[1] <= self._most_room
+        """Whether the lists may have more room, and the rows of the pressure matrix with them."""
+        count, width = self.listed.shape
+        return 2 * width <= self._most_room and 2 * width * (count - self._walls) <= MOST_ENTRIES
 
     def crowded(self) -> bool:
         """Whether a list has come close to its room, or beyond it, since they were given more."""

@@ -27,7 +27,8 @@ from warp_mps.fluid.body_forces import make_body_forces
 from warp_mps.fluid.implicit_viscosity import ImplicitViscosity
 from warp_mps.fluid.kernels import fluid_kernels
 from warp_mps.fluid.model import FluidModel
-from warp_mps.fluid.neighbours import NeighbourLists, expected_neighbours
+from warp_mps.fluid.neighbour_room import expected_neighbours
+from warp_mps.fluid.neighbours import NeighbourLists
 from warp_mps.fluid.pressure.equation import PressureEquation
 from warp_mps.fluid.pressure_forces import PressureForces
 from warp_mps.fluid.state import initial_state

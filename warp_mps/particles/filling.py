@@ -24,8 +24,15 @@ NOMINAL_DENSITY = 1000.0
 Filled = tuple[np.ndarray, np.ndarray, np.ndarray]
 
 
-def count_particles(scene: Scene) -> dict[str, int]:
-    """Number of particles of each body, wall and fluid, at most, found without filling anything."""
+def count_particles(scene: Scene, *, exact: bool = False) -> dict[str, int]:
+    """Number of particles of each body, wall and fluid, without keeping them.
+
+    What gives way to others, of walls and fluids, is counted too.
+
+    Args:
+        scene: The case.
+        exact: Whether shapes are filled, a few layers at a time; else the lattices that cover them are counted.
+    """
     fits = Fits(scene)
     return {
         item.name: particle_count(
@@ -35,6 +42,7 @@ def count_particles(scene: Scene) -> dict[str, int]:
             item.node_axes,
             fit=fits.of(item),
             where=place(item, kind_of(item)),
+            exact=exact,
         )
         for item in scene.filled
     }

@@ -92,6 +92,8 @@ class Simulation(Readings):
         require_threads(threads, scene, "" if self._device.is_cpu else device)
         if self._device.is_cpu:
             refuse_too_large(scene)
+        else:
+            refuse_too_large(scene, available=float(self._device.free_memory), memory="GPU memory")
         self.scene, self.precision, self.step = scene, precision, 0
         self.clock, particles = Clock(scene), fill_scene(scene)
         with warp_turn:

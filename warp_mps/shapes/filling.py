@@ -68,10 +68,10 @@ def fill(
     if isinstance(shape, Points):
         return shape.to_scene(shape.positions)[:, :dimension]
     grid = grid_of(shape, spacing, dimension, node_axes, where, fit)
-    blocks = [block for block in grid.blocks() if len(block)]
     if grid.fits:
-        return np.concatenate(blocks)[:, :dimension]
-    kept = [block[_keep(shape, grid, block, spacing)] for block in blocks]
+        return np.concatenate([block for block in grid.blocks() if len(block)])[:, :dimension]
+    # one block after the other: the lattice about a thin shell takes far more memory than the particles in it
+    kept = [block[_keep(shape, grid, block, spacing)] for block in grid.blocks() if len(block)]
     positions = np.concatenate(kept)[:, :dimension] if kept else np.zeros((0, dimension))
     if not len(positions):
         raise InputError(where, "spacing", f"{spacing:g} m leaves no particle: the shape is thinner than one particle")
@@ -86,8 +86,12 @@ def particle_count(
     *,
     fit: Fit | None = None,
     where: str = "shape",
+    exact: bool = False,
 ) -> int:
-    """Number of particles that `fill` makes, at most, without making them; exact for a box and for `Points`.
+    """Number of particles that `fill` makes, without keeping them.
+
+    By default it is at most that of the lattice that covers the shape, which is found at once, and is exact for a box
+    and for `Points`.
 
     Args:
         shape: Shape to fill.
@@ -96,6 +100,7 @@ def particle_count(
         node_axes: Axes of the lattice along which the outermost particles lie on the faces.
         fit: As of `fill`.
         where: Owner of the shape, for error messages.
+        exact: Whether the shape is filled, a few layers at a time, to count its particles.
 
     Raises:
         InputError: As for `fill`.
@@ -103,11 +108,16 @@ def particle_count(
     if isinstance(shape, Points):
         return len(shape.positions)
     grid = grid_of(shape, spacing, dimension, node_axes, where, fit)
+    if exact and not grid.fits:
+        return sum(int(_keep(shape, grid, block, spacing).sum()) for block in grid.blocks() if len(block))
     return int(np.prod(np.array(grid.counts, dtype=object)))
 
 
 def _keep(shape: Shape, grid: Grid, positions: np.ndarray, spacing: float) -> np.ndarray:
     """Which of the lattice's positions the shape contains."""
+    tolerance = 0.0 if isinstance(shape, Mesh) else SURFACE_TOLERANCE * spacing
+    if not any(grid.nodes):
+        return contains(shape, positions, tolerance)
     along = positions @ grid.axes
     # particles on a face are moved inwards, so that rounding does not lose them: the outermost ones by what the
     # coordinates of a mesh in single precision may be off, others by less than any tolerance
@@ -115,5 +125,4 @@ def _keep(shape: Shape, grid: Grid, positions: np.ndarray, spacing: float) -> np
     reach = np.array([0.5 * (line.count - 1) * line.step for line in grid.lines])
     outermost = np.abs(off_centre) > reach - FIT_TOLERANCE * spacing
     inwards = np.where(outermost, np.sign(off_centre) * FIT_TOLERANCE * spacing, off_centre * SURFACE_TOLERANCE)
-    tolerance = 0.0 if isinstance(shape, Mesh) else SURFACE_TOLERANCE * spacing
     return contains(shape, positions + np.where(grid.nodes, inwards, 0.0) @ grid.axes.T, tolerance)

@@ -51,7 +51,8 @@ class _Implicit(Shape):
         result = np.ones(len(points), bool)
         for distance, normal in self._faces(local):
             # A normal through the inverse map turns a length of the scene into one of the shape's own coordinates.
-            result &= distance <= tolerance * np.linalg.norm(normal @ inverse, axis=-1)
+            scale = 1.0 if self.placement is None else np.linalg.norm(normal @ inverse, axis=-1)
+            result &= distance <= tolerance * scale
         return result
 
 

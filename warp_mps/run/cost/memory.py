@@ -9,6 +9,7 @@ from collections.abc import Mapping
 from warp_mps.core.weights import lattice_neighbours
 from warp_mps.coupling.integrator_choice import takes_implicit_steps
 from warp_mps.errors import InputError
+from warp_mps.fluid.neighbour_room import most_particles
 from warp_mps.particles.filling import count_particles
 from warp_mps.scene import Body, Scene
 from warp_mps.scene.validation.rules import kind_of, place
@@ -31,6 +32,8 @@ BYTES_OF_MARKER = {2: 8500, 3: 10000}
 # additional memory per particle of implicit steps and statics [bytes] (2-D, 3-D); 1150 and 1850 measured, of which
 # aggregates take 490 and 730, most of it during setup
 BYTES_OF_SOLVER = {2: 1200, 3: 2000}
+# cells of the lattices about shapes up to which the particles in them are counted; they take a minute or two
+MOST_CELLS = 1e8
 
 
 def memory_of(scene: Scene, particles: Mapping[str, int]) -> float:
@@ -62,23 +65,39 @@ def contact_of(scene: Scene, touching: Mapping[int, float], friction: Mapping[in
     return touching[scene.dimension] + (friction[scene.dimension] if slides else 0.0)
 
 
-def refuse_too_large(scene: Scene) -> None:
-    """Refuse a run that needs more memory than is available, before any of it is allocated.
+def refuse_too_large(scene: Scene, *, available: float | None = None, memory: str = "memory") -> None:
+    """Refuse a run that is too large, before any of it is allocated.
+
+    Args:
+        scene: The case.
+        available: Memory that there is [bytes]; None is that of the machine.
+        memory: What kind of memory it is.
 
     Raises:
-        InputError: It does; the line names the largest body.
+        InputError: It needs more memory than is available, or has more fluid particles than its pressure equation can
+            count; the line names the largest body, wall or fluid.
     """
-    particles, available = count_particles(scene), available_memory()
-    memory = memory_of(scene, particles)
-    if memory > available:
-        name = max(particles, key=lambda body: particles[body])
-        body = next(item for item in scene.filled if item.name == name)
-        raise InputError(
-            place(body, kind_of(body)),
-            "spacing",
-            f"{body.spacing:g} m makes {particles[name]:.4g} particles; the run needs about "
-            f"{memory / 2**30:.3g} GiB of memory and {available / 2**30:.3g} GiB are available",
-        )
+    available = available_memory() if available is None else available
+    particles = count_particles(scene)
+    if _excess(scene, particles, available, memory) and sum(particles.values()) <= MOST_CELLS:
+        particles = count_particles(scene, exact=True)
+    excess = _excess(scene, particles, available, memory)
+    if excess:
+        among = scene.fluids if excess.startswith("the pressure") else scene.filled
+        item = max(among, key=lambda one: particles[one.name])
+        reason = f"{item.spacing:g} m makes {particles[item.name]:.4g} particles; {excess}"
+        raise InputError(place(item, kind_of(item)), "spacing", reason)
+
+
+def _excess(scene: Scene, particles: Mapping[str, int], available: float, memory: str) -> str:
+    """What a run with so many particles of each body, wall and fluid has too much of; empty if nothing."""
+    liquid = sum(particles[fluid.name] for fluid in scene.fluids)
+    most = most_particles(scene.dimension, scene.flow.radius(scene.dimension))
+    needed = memory_of(scene, particles)
+    if needed > available:
+        here = f"{available / 2**30:.3g} GiB are available"
+        return f"the run needs about {needed / 2**30:.3g} GiB of {memory} and {here}"
+    return f"the pressure equation takes at most {most:.4g} of fluids" if liquid > most else ""
 
 
 def available_memory() -> float:
