@@ -117,6 +117,20 @@ def test_ring_of_two_particles_thickness() -> None:
     np.testing.assert_allclose(np.sort(ring[:, 0]), np.sort(-ring[:, 0]), atol=1e-15)
 
 
+@pytest.mark.parametrize("node_axes", [(), (0,), (0, 1)])
+@pytest.mark.parametrize(("low", "high"), [(0.5, 0.8), (1.01, 2.2), (-3.3, -2.6)])
+def test_a_mesh_in_single_precision_is_filled_like_the_box(low: float, high: float, node_axes: tuple[int, ...]) -> None:
+    """Rounded coordinates must not gain a column, whose particles would lie on the faces, nor lose those that do."""
+    points, triangles = cube()
+    corners = np.array([(low, 0.1, -0.5), (high, 0.15, 0.5)])
+    box = Box.from_corners(*corners.tolist())
+    points = np.float32(corners[0] + (points + 0.5) * (corners[1] - corners[0]))
+    mesh = Mesh(points, triangles)
+    expected = fill(box, 0.01, 2, node_axes=node_axes)
+    np.testing.assert_allclose(fill(mesh, 0.01, 2, node_axes=node_axes), expected, atol=1e-6)
+    assert particle_count(mesh, 0.01, 2, node_axes) == len(expected)
+
+
 def test_mesh_of_a_cube_is_filled_like_the_box() -> None:
     mesh, box = fill(Mesh(*cube()), 0.1, 3), fill(Box((1, 1, 1)), 0.1, 3)
     np.testing.assert_allclose(mesh, box, atol=1e-14)
@@ -136,8 +150,8 @@ def test_section_of_a_mesh_centres_the_lattice() -> None:
 
 def test_particles_are_returned_as_they_are() -> None:
     given = np.array([[1.0, 2.0], [3.0, 4.5]])
-    np.testing.assert_array_equal(fill(Points(given), 0.1, 2), given)
-    np.testing.assert_array_equal(fill(Points(given), 0.1, 3), np.pad(given, ((0, 0), (0, 1))))
+    np.testing.assert_array_equal(fill(Points(given), 3.0, 2), given)
+    np.testing.assert_array_equal(fill(Points(given), 3.0, 3), np.pad(given, ((0, 0), (0, 1))))
 
 
 @pytest.mark.parametrize(
@@ -159,7 +173,7 @@ def test_refusals_say_why(shape: Shape, dimension: int, attribute: str, reason: 
 
 
 def test_count_is_exact_for_a_box_and_an_upper_bound_otherwise() -> None:
-    for shape in (Box((1.04, 0.5, 0.3)), Points(np.zeros((7, 3)))):
+    for shape in (Box((1.04, 0.5, 0.3)), Points(np.outer(np.arange(7), (0.1, 0.0, 0.0)))):
         assert particle_count(shape, 0.1, 3) == len(fill(shape, 0.1, 3))
     assert particle_count(Box((0.4, 0.2)), 0.1, 2, node_axes=(0, 1)) == 15
     assert len(fill(Sphere(0.5), 0.1, 3)) <= particle_count(Sphere(0.5), 0.1, 3) == 1000

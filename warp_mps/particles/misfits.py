@@ -1,4 +1,4 @@
-"""Boxes whose size is no whole number of spacings: how far their particles' faces lie from the drawn ones."""
+"""Boxes whose size is no whole number of spacings, and ready-made particles that are not a spacing apart."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 from warp_mps.particles.met_faces import Fits
 from warp_mps.scene import Body, Fluid, Scene, Wall
 from warp_mps.scene.validation.rules import kind_of, place
-from warp_mps.shapes import Box
+from warp_mps.shapes import Box, Points, median_distance
 
 # in spacings: offsets that are remarked; and changes of the distance between rows, of walls and of fluids, whose
 # volume is kept
@@ -18,6 +18,8 @@ OFFSET, STRETCH, STRAIN = 0.01, 0.02, 0.05
 # displacement of water at rest beside a wall, in spacings, per relative change of the distance of the wall's rows:
 # -0.10 and -0.13 were measured in tanks with rows 1.225 spacings apart, 0.03 and 0.06 with 0.933
 SETTLING = 0.5
+# median distances between ready-made particles that are not remarked, in spacings
+CLOSEST_POINTS, FARTHEST_POINTS = 0.85, 1.15
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -61,7 +63,19 @@ def remarks_on_misfits(scene: Scene) -> list[str]:
         text = _remark(misfit)
         if text:
             found.setdefault(place(misfit.item, kind_of(misfit.item)), []).append(text)
-    return [f"{where}: {'; '.join(texts)}" for where, texts in found.items()]
+    lines = [f"{where}: {'; '.join(texts)}" for where, texts in found.items()]
+    return [*lines, *(line for item in scene.filled for line in _of_points(item, scene.dimension))]
+
+
+def _of_points(item: Body | Wall | Fluid, dimension: int) -> Iterator[str]:
+    """A line about ready-made particles that are not about a spacing apart, from which their masses follow."""
+    if not isinstance(item.shape, Points) or len(item.shape.positions) < 2:
+        return
+    median = median_distance(item.shape, item.spacing, dimension) / item.spacing
+    if not CLOSEST_POINTS <= median <= FARTHEST_POINTS:
+        where, apart = place(item, kind_of(item)), f"{median:.3g} spacings apart (median distance to the nearest one)"
+        share = f"{median**-dimension:.2f} times those of a lattice with a spacing of {median * item.spacing:.4g} m"
+        yield f"{where}: its points lie {apart}, so that their masses are {share}"
 
 
 def _misfits(item: Body | Wall | Fluid, fits: Fits) -> Iterator[Misfit]:

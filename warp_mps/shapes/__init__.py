@@ -9,6 +9,7 @@ from warp_mps.shapes.grid import Fit, Grid, grid_of
 from warp_mps.shapes.mesh import Mesh
 from warp_mps.shapes.points import Points
 from warp_mps.shapes.primitives import Box, Cylinder, Sphere
+from warp_mps.shapes.ready_made import check_spacing, median_distance
 from warp_mps.shapes.shape import Difference, Intersection, Shape, Union
 
 __all__ = [
@@ -23,8 +24,10 @@ __all__ = [
     "Shape",
     "Sphere",
     "Union",
+    "check_spacing",
     "contains",
     "fill",
     "grid_of",
+    "median_distance",
     "particle_count",
 ]

@@ -11,6 +11,7 @@ from warp_mps.shapes.grid import Fit, Grid, grid_of
 from warp_mps.shapes.lattice import FIT_TOLERANCE
 from warp_mps.shapes.mesh import Mesh
 from warp_mps.shapes.points import Points
+from warp_mps.shapes.ready_made import check_spacing
 from warp_mps.shapes.shape import Shape
 
 # In particle spacings: cells whose centre lies on the surface but for rounding are kept, so that a symmetric shape
@@ -63,9 +64,11 @@ def fill(
         Positions [m], shape [n, dimension].
 
     Raises:
-        InputError: The shape is thinner than one particle, unbounded, not closed, or has no section at z = 0.
+        InputError: The shape is thinner than one particle, unbounded, not closed, or has no section at z = 0; or its
+            ready-made particles coincide, or are not a spacing apart.
     """
     if isinstance(shape, Points):
+        check_spacing(shape, spacing, dimension, where)
         return shape.to_scene(shape.positions)[:, :dimension]
     grid = grid_of(shape, spacing, dimension, node_axes, where, fit)
     if grid.fits:

@@ -1,10 +1,20 @@
-"""Search for the nearest of a set of points, by sorting them into cells."""
+"""Search among a set of points for near ones, by sorting them into cells."""
 
 from __future__ import annotations
+
+from collections.abc import Iterator
 
 import numpy as np
 
 from warp_mps.shapes.lattice import expand, product
+
+# number of queries whose candidates are held in memory at a time
+BLOCK = 50_000
+# cells are numbered by these; two far apart may share a number, which costs candidates and changes no result
+FACTORS = np.array([2_654_435_761 * 40_503, 73_856_093, 1], np.int64)
+MASK = 2**62 - 1
+# least edge of a cell as a share of the extent of the points
+FINEST = 2.0**-50
 
 
 def near_points(queries: np.ndarray, points: np.ndarray, distance: float) -> np.ndarray:
@@ -19,28 +29,77 @@ def near_points(queries: np.ndarray, points: np.ndarray, distance: float) -> np.
         Flags, shape [n].
     """
     near = np.zeros(len(queries), bool)
-    if not len(points) or not len(queries):
-        return near
-    lower = np.minimum(points.min(0), queries.min(0))
-    span = np.maximum(points.max(0), queries.max(0)) - lower
-    # Cells no finer than 2^-19 of the span keep the packed key within 62 bits.
-    size = max(distance, float(span.max()) * 2.0**-19, 1e-300)
-    order, keys = _sorted_keys(points, lower, size)
-    for shift in product([np.arange(-1, 2)] * 3):
-        wanted = _pack(np.floor((queries - lower) / size).astype(np.int64) + shift)
-        first = np.searchsorted(keys, wanted, "left")
-        owners, entries = expand(first, np.searchsorted(keys, wanted, "right") - first)
-        close = np.linalg.norm(queries[owners] - points[order[entries]], axis=1) <= distance
-        near[owners[close]] = True
+    for owners, entries in _pairs(queries, points, distance):
+        near[owners[np.linalg.norm(queries[owners] - points[entries], axis=1) <= distance]] = True
     return near
 
 
-def _sorted_keys(points: np.ndarray, lower: np.ndarray, size: float) -> tuple[np.ndarray, np.ndarray]:
-    keys = _pack(np.floor((points - lower) / size).astype(np.int64))
+def nearest_others(numbers: np.ndarray, points: np.ndarray, reach: float) -> tuple[np.ndarray, np.ndarray]:
+    """The nearest other point of some of a set of points.
+
+    Args:
+        numbers: Indices of those to look from, shape [n].
+        points: Points [m], shape [m, 3].
+        reach: Largest distance to look at [m].
+
+    Returns:
+        Distances, infinite where there is none within reach [m], and indices of the nearest points, both of shape [n].
+    """
+    distances, nearest = np.full(len(numbers), np.inf), np.full(len(numbers), -1)
+    for owners, entries in _pairs(points[numbers], points, reach):
+        apart = np.linalg.norm(points[numbers[owners]] - points[entries], axis=1)
+        good = np.flatnonzero((numbers[owners] != entries) & (apart <= reach))
+        # farthest first, so that the last one to be assigned is the nearest
+        good = good[np.argsort(-apart[good], kind="stable")]
+        closer = good[apart[good] < distances[owners[good]]]
+        distances[owners[closer]], nearest[owners[closer]] = apart[closer], entries[closer]
+    return distances, nearest
+
+
+def pair_in_a_cell(points: np.ndarray, distance: float) -> tuple[int, int] | None:
+    """Two points within a distance [m] that share a cell of that diagonal, if any do; points have shape [n, 3].
+
+    It finds a dense cluster before a search for the neighbours of each of its points would take too long.
+    """
+    lower = points.min(0)
+    keys = _keys(points, lower, max(distance / np.sqrt(3.0), FINEST * _extent(points, lower), 1e-300))
     order = np.argsort(keys, kind="stable")
-    return order, keys[order]
+    same = np.flatnonzero(np.diff(keys[order]) == 0)
+    one, other = order[same], order[same + 1]
+    near = np.flatnonzero(np.linalg.norm(points[one] - points[other], axis=1) <= distance)
+    return (int(one[near[0]]), int(other[near[0]])) if len(near) else None
 
 
-def _pack(cell: np.ndarray) -> np.ndarray:
-    shifted = cell + 1
-    return (shifted[:, 0] << 40) | (shifted[:, 1] << 20) | shifted[:, 2]
+def crowd(points: np.ndarray, size: float) -> float:
+    """Mean number of points in the cell of a point, of cells with an edge [m]; points have shape [n, 3]."""
+    counts = np.unique(_keys(points, points.min(0), size), return_counts=True)[1]
+    return float((counts.astype(float) ** 2).sum() / len(points))
+
+
+def _pairs(queries: np.ndarray, points: np.ndarray, distance: float) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+    """Pairs (query, point) whose cells, as wide as a distance [m], are the same or neighbours, in blocks."""
+    if not len(points) or not len(queries):
+        return
+    lower = np.minimum(points.min(0), queries.min(0))
+    size = max(distance, FINEST * max(_extent(points, lower), _extent(queries, lower)), 1e-300)
+    keys, wanted = _keys(points, lower, size), _keys(queries, lower, size)
+    order, turn = np.argsort(keys, kind="stable"), np.argsort(wanted, kind="stable")
+    keys = keys[order]
+    # neighbours along the last axis have neighbouring numbers
+    shifts = product([np.arange(-1, 2)] * 2) @ FACTORS[:2]
+    for start in range(0, len(queries), BLOCK):
+        part = turn[start : start + BLOCK]
+        for shift in shifts:
+            beside = (wanted[part] + shift) & MASK
+            first, last = np.searchsorted(keys, beside - 1, "left"), np.searchsorted(keys, beside + 1, "right")
+            owners, entries = expand(first, last - first)
+            yield part[owners], order[entries]
+
+
+def _keys(points: np.ndarray, lower: np.ndarray, size: float) -> np.ndarray:
+    """Numbers of the cells of points, of at least 0; they overflow without harm."""
+    return (np.floor((points - lower) / size).astype(np.int64) * FACTORS).sum(axis=1) & MASK
+
+
+def _extent(points: np.ndarray, lower: np.ndarray) -> float:
+    return float((points - lower).max())

@@ -28,7 +28,7 @@ from warp_mps.scene import (
 )
 from warp_mps.scene.components import component_names
 from warp_mps.scene.filling_level import below_level
-from warp_mps.shapes import Shape, particle_count
+from warp_mps.shapes import Points, Shape, check_spacing, particle_count
 from warp_mps.usd.case import motions, roles, stage_contents
 from warp_mps.usd.case.attributes import ROLE
 from warp_mps.usd.case.authored import constant, is_given
@@ -78,6 +78,8 @@ def read_stage(path: str | Path, *, overrides: Mapping[str, str] | None = None, 
 
 def _check_lattice(body: Body | Wall | Fluid, dimension: int) -> None:
     """Refuse a body that cannot be filled with particles, while its prim and attributes are known."""
+    if isinstance(body.shape, Points):
+        check_spacing(body.shape, body.spacing, dimension, body.path)
     particle_count(body.shape, body.spacing, dimension, body.node_axes, where=body.path)
 
 
