@@ -6,6 +6,7 @@ from warp_mps.elastic.hamiltonian.thin_bodies import remarks_on_thin_bodies
 from warp_mps.particles.misfits import remarks_on_misfits
 from warp_mps.particles.particles import Particles
 from warp_mps.particles.unheld_fluid import remarks_on_unheld_fluid
+from warp_mps.run.inventory.doubts import remarks_on_flotation, remarks_on_rows
 from warp_mps.scene import Scene
 from warp_mps.scene.validation.fluids import remarks as remarks_on_fluids
 
@@ -19,4 +20,6 @@ def remarks_on_case(scene: Scene, particles: Particles) -> list[str]:
         *remarks_on_misfits(scene),
         *remarks_on_unheld_fluid(scene, particles),
         *remarks_on_thin_bodies(scene, particles),
+        *remarks_on_flotation(scene, particles),
+        *remarks_on_rows(scene, particles),
     ]

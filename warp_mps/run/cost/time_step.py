@@ -13,6 +13,8 @@ from warp_mps.scene import Scene
 
 # part by which the fastest particle is expected to exceed the speed at the start
 FASTER = 1.05
+# the name of the limit that rows are
+ROWS = "the rows of probes.csv: steps end at them"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -46,7 +48,7 @@ def time_step(scene: Scene, particles: Particles) -> TimeStep:
     if scene.analysis == "static":
         limits = {"mps:loadSteps": clock.dt}
     else:
-        rows = {"the rows of probes.csv: steps end at them": clock.dt * clock.sample_every}
+        rows = {ROWS: clock.dt * clock.sample_every}
         given = None if scene.time_step is None else {"mps:timeStep": scene.time_step}
         limits = given or {**body_step_limits(scene), **rows}
     return TimeStep(
@@ -64,7 +66,7 @@ def _of_fluids(scene: Scene, particles: Particles, clock: Clock) -> TimeStep:
     stable = min(limits.values())
     if scene.time_step is not None:
         limits["mps:timeStep"] = scene.time_step
-    limits["the rows of probes.csv: steps end at them"] = clock.dt
+    limits[ROWS] = clock.dt
     length = min(limits.values())
     # a fluid that becomes a little faster than at the start takes a step more between two rows
     faster = min(stable / FASTER, scene.time_step or math.inf)
