@@ -17,7 +17,7 @@ from warp_mps.scene.fields import units_of
 from warp_mps.shapes import Box, Shape
 
 # given elsewhere, or of no use in results
-LEFT_OUT = {"path", "name", "measurements", "remarks"}
+LEFT_OUT = {"path", "name", "measurements", "remarks", "unscaled_file"}
 # units of the fields of shapes
 _SHAPE_UNITS = dict.fromkeys(("size", "center", "radius", "height", "inner_radius", "points", "positions"), "m")
 _SHAPE_UNITS["velocities"] = "m/s"

@@ -9,12 +9,14 @@ from warp_mps.particles.unheld_fluid import remarks_on_unheld_fluid
 from warp_mps.run.inventory.doubts import remarks_on_flotation, remarks_on_rows
 from warp_mps.scene import Scene
 from warp_mps.scene.validation.fluids import remarks as remarks_on_fluids
+from warp_mps.scene.validation.meshes import remarks_on_meshes
 
 
 def remarks_on_case(scene: Scene, particles: Particles) -> list[str]:
     """Remarks on a scene and on the particles that fill it, a line each: what it is about, the number, the remedy."""
     return [
         *scene.remarks,
+        *remarks_on_meshes(scene),
         *remarks_on_fluids(scene),
         *particles.remarks(),
         *remarks_on_misfits(scene),

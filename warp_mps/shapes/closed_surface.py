@@ -1,7 +1,7 @@
-"""The inside of a closed surface of triangles, by the parity of the crossings of a ray.
+"""Closed surfaces of triangles: how often they wind about points, how near points are, and where they are open.
 
-A ray along z leaves every point; the point is inside if it crosses the surface an odd number of times. Points and
-triangles meet through a grid of cells over x and y, so that a ray sees only the triangles of its own cell.
+A ray along z leaves every point; the winding number counts its crossings of the surface. Points and triangles meet
+through a grid of cells over x and y, so that a ray sees only the triangles of its own cell.
 """
 
 from __future__ import annotations
@@ -18,31 +18,40 @@ BLOCK = 1_000_000
 RAY_SHIFT = np.array([0.7548776662, 0.5698402910, 0.4301597090]) * 1e-9
 
 
-def enclosed(points: np.ndarray, corners: np.ndarray) -> np.ndarray:
-    """Tell which points a closed surface encloses.
+def windings(points: np.ndarray, corners: np.ndarray, shells: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Winding numbers of the shells of a closed surface about points, where they are not 0.
+
+    A shell winds about a point as often as a ray from the point leaves it, less the times that the ray enters it.
 
     Args:
         points: Points [m], shape [n, 3].
-        corners: Corners of its triangles [m], shape [m, 3, 3].
+        corners: Corners of the triangles [m], those of a shell turned alike, shape [m, 3, 3].
+        shells: Shell of each triangle, shape [m].
 
     Returns:
-        Flags, shape [n].
+        The point, the shell and the winding number of each pair, three arrays of equal length.
     """
     lower, upper = corners.min((0, 1)), corners.max((0, 1))
     shift = RAY_SHIFT * np.linalg.norm(upper - lower)
-    inside = np.zeros(len(points), bool)
     candidates = np.flatnonzero(((points >= lower - shift) & (points <= upper)).all(1))
     shifted = points[candidates] + shift
-    crossings = np.zeros(len(candidates), np.int64)
+    count = int(shells.max()) + 1
+    found = [np.zeros((0, 3), np.int64)]
     for owners, triangles in _Grid(corners, 0.0).pairs(shifted):
-        hits = _crosses(shifted[owners], corners[triangles])
-        crossings += np.bincount(owners[hits], minlength=len(candidates))
-    inside[candidates] = crossings % 2 == 1
-    return inside
+        signs = _crossings(shifted[owners], corners[triangles])
+        hits = signs != 0
+        # all triangles that a point meets are in one block
+        keys, index = np.unique(owners[hits] * count + shells[triangles[hits]], return_inverse=True)
+        sums = np.bincount(index.reshape(-1), signs[hits], len(keys)).astype(np.int64)
+        wound = sums != 0
+        keys = keys[wound]
+        found.append(np.column_stack((candidates[keys // count], keys % count, sums[wound])))
+    pairs = np.concatenate(found)
+    return pairs[:, 0], pairs[:, 1], pairs[:, 2]
 
 
 def near_surface(points: np.ndarray, corners: np.ndarray, distance: float) -> np.ndarray:
-    """Tell which points lie within a distance [m] of a surface; arguments as for `enclosed`."""
+    """Tell which points lie within a distance [m] of a surface; arguments as for `windings`."""
     near = np.zeros(len(points), bool)
     lower, upper = corners.min((0, 1)) - distance, corners.max((0, 1)) + distance
     candidates = np.flatnonzero(((points >= lower) & (points <= upper)).all(1))
@@ -52,29 +61,45 @@ def near_surface(points: np.ndarray, corners: np.ndarray, distance: float) -> np
     return near
 
 
-def open_edge(points: np.ndarray, triangles: np.ndarray) -> str | None:
-    """Where a surface is not closed: an edge that does not belong to exactly two triangles.
-
-    Points at the same place count as one point, and triangles with two equal points are left out.
-
-    Args:
-        points: Vertices [m], shape [n, 3].
-        triangles: Vertices of each triangle, shape [m, 3].
+def same_places(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Number the different places of points, shape [n, 3].
 
     Returns:
-        A clause for an error message with the ends of the edge, or None if the surface is closed.
+        A point at each place, shape [places], and the place of each point, shape [n].
     """
-    vertices, index = np.unique(points, axis=0, return_inverse=True)
-    merged = index.reshape(-1)[triangles]
-    proper = merged[(merged != np.roll(merged, 1, axis=1)).all(1)]
-    if not len(proper):
+    order = np.lexsort(points.T)
+    first = np.append(True, (np.diff(points[order], axis=0) != 0.0).any(axis=1))
+    places = np.empty(len(points), np.int64)
+    places[order] = np.cumsum(first) - 1
+    return order[first], places
+
+
+def proper(triangles: np.ndarray) -> np.ndarray:
+    """Which triangles have three different vertices, shape [m]."""
+    return (triangles != np.roll(triangles, 1, axis=1)).all(axis=1)
+
+
+def open_edge(triangles: np.ndarray, vertices: np.ndarray) -> str:
+    """Where a surface is not closed: an edge that does not belong to exactly two triangles.
+
+    Args:
+        triangles: Vertices of each triangle, each place one vertex, shape [m, 3]; those that are not `proper` are left
+            out.
+        vertices: The vertices [m], shape [n, 3].
+
+    Returns:
+        A clause for an error message with the ends of the edge, empty if the surface is closed.
+    """
+    triangles = triangles[proper(triangles)]
+    if not len(triangles):
         return "it has no triangle"
-    edges = np.sort(np.concatenate([proper[:, [0, 1]], proper[:, [1, 2]], proper[:, [2, 0]]]), axis=1)
-    unique, counts = np.unique(edges, axis=0, return_counts=True)
+    edges = np.sort(np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), axis=1)
+    keys, counts = np.unique(edges[:, 0] * len(vertices) + edges[:, 1], return_counts=True)
     bad = np.flatnonzero(counts != 2)
     if not len(bad):
-        return None
-    a, b = ("(" + ", ".join(f"{c:.6g}" for c in vertices[end]) + ")" for end in unique[bad[0]])
+        return ""
+    ends = np.array(divmod(keys[bad[0]], len(vertices)))
+    a, b = (f"({', '.join(f'{c:.6g}' for c in vertices[end])})" for end in ends)
     return f"that from {a} to {b} m belongs to {counts[bad[0]]}, as one of {len(bad)} such edges"
 
 
@@ -94,14 +119,14 @@ def section(corners: np.ndarray) -> np.ndarray:
     return stacked[~np.isnan(stacked[..., 0])].reshape(-1, 2, 3)
 
 
-def _crosses(points: np.ndarray, corners: np.ndarray) -> np.ndarray:
-    """Whether the ray from each point towards +z crosses the triangle beside it."""
+def _crossings(points: np.ndarray, corners: np.ndarray) -> np.ndarray:
+    """How the ray from each point towards +z crosses the triangle beside it: 1 or -1, 0 where it does not."""
     a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
     area_a, area_b, area_c = _area(points, b, c), _area(points, c, a), _area(points, a, b)
     total = area_a + area_b + area_c
     within = ((area_a > 0) == (area_b > 0)) & ((area_b > 0) == (area_c > 0)) & (total != 0)
     height = area_a * a[:, 2] + area_b * b[:, 2] + area_c * c[:, 2]
-    return within & (height * np.sign(total) > points[:, 2] * np.abs(total))
+    return np.where(within & (height * np.sign(total) > points[:, 2] * np.abs(total)), np.sign(total), 0.0)
 
 
 def _area(p: np.ndarray, a: np.ndarray, b: np.ndarray) -> np.ndarray:

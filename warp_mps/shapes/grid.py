@@ -93,10 +93,8 @@ def grid_of(
     if not spacing > 0 or not np.isfinite(spacing):
         raise InputError(where, "spacing", f"must be positive, not {spacing}")
     for leaf in shape.leaves():
-        hole = closed_surface.open_edge(leaf.points, leaf.triangles) if isinstance(leaf, Mesh) else None
-        if hole:
-            reason = f"the mesh is not closed: every edge must belong to exactly two triangles, {hole}"
-            raise InputError(where, "shape", reason)
+        if isinstance(leaf, Mesh) and leaf.fault:
+            raise InputError(where, "shape", leaf.fault)
     source = shape.leaves()[0]
     grid = _own_grid(source, spacing, dimension, node_axes, where, fit)
     return grid if source is shape else _continued(grid, shape, dimension, where)

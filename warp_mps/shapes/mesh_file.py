@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from warp_mps.errors import InputError
-from warp_mps.shapes.closed_surface import open_edge
+from warp_mps.shapes.closed_surface import open_edge, same_places
 from warp_mps.shapes.numbers import is_number, shown
 
 KINDS = (".stl", ".obj", ".ply")
@@ -55,7 +55,8 @@ def read_mesh(path: Path, scale: float) -> tuple[np.ndarray, np.ndarray]:
     extents = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)
     if extents[-1] <= FLAT * extents[0]:
         raise InputError(where, "", "encloses no volume: all its vertices lie in a plane")
-    hole = open_edge(scale * points, triangles)
+    source, places = same_places(points)
+    hole = open_edge(places[triangles], scale * points[source])
     if hole:
         reason = f"the mesh is not closed: every edge must belong to exactly two triangles, {hole}"
         raise InputError(where, "", f"{reason}; close the hole in the program that made the file")

@@ -18,6 +18,7 @@ from warp_mps.scene.validation.body_forces import check_body_forces
 from warp_mps.scene.validation.coupling import check_coupling
 from warp_mps.scene.validation.fluids import check_fluids, check_velocity_field
 from warp_mps.scene.validation.implicit import check_implicit
+from warp_mps.scene.validation.meshes import check_regions
 from warp_mps.scene.validation.probes import check_measurement, check_probe, names_of_bodies
 from warp_mps.scene.validation.rules import choice, place, require, vector
 
@@ -47,6 +48,7 @@ def check_scene(scene: Scene) -> None:
     check_fluids(scene)
     check_coupling(scene)
     check_implicit(scene)
+    check_regions(scene)
     for support in scene.supports:
         _support(scene, support)
     for load in scene.loads:
