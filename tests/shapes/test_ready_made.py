@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -46,7 +47,8 @@ def test_two_points_at_one_place_are_named(kind: str, shift: float) -> None:
         "body": scene_of(body(points)),
         "fluid": Scene(fluids=(Fluid(name="cloud", shape=Points(points), spacing=0.02),), duration=0.1),
         "wall": scene_of(
-            body(lattice(3, 2, 0.02) - 1.0), walls=(Wall(name="cloud", shape=Points(points), spacing=0.02),)
+            replace(body(lattice(3, 2, 0.02) - 1.0), name="other"),
+            walls=(Wall(name="cloud", shape=Points(points), spacing=0.02),),
         ),
     }
     with pytest.raises(InputError, match=rf"{kind} 'cloud' positions: rows 5 and 16 coincide at \(0.02, 0.02\) m"):
