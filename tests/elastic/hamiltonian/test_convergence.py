@@ -114,10 +114,10 @@ def test_bar_in_space() -> None:
     assert 2 * np.pi / found[0] == pytest.approx(BAR, rel=0.01)
 
 
-@pytest.mark.parametrize("mode", [0, 1, 2, 3])
-def test_a_nearly_incompressible_beam_does_not_lock(mode: int) -> None:
-    coarse, fine = (free_modes(layers, nu=0.49, plane="strain")[mode] for layers in (8, 32))
-    assert coarse == pytest.approx(fine, rel=0.01)
+@pytest.mark.parametrize(("layers", "limit"), [(3, 0.012), (4, 0.007), (8, 0.005)])
+def test_a_nearly_incompressible_beam_does_not_lock(layers: int, limit: float) -> None:
+    coarse, fine = (free_modes(layers, nu=0.49, plane="strain") for layers in (layers, 32))
+    assert coarse == pytest.approx(fine, rel=limit)
 
 
 SIZES = {2: ((12, 12), (24, 2), (2, 2)), 3: ((6, 6, 6), (6, 6, 2), (2, 2, 2))}
