@@ -15,7 +15,7 @@ from warp_mps.errors import InputError
 from warp_mps.shapes import Difference, Intersection, Points, Shape, Union
 from warp_mps.usd.case.authored import is_given
 from warp_mps.usd.case.frame import Frame
-from warp_mps.usd.case.geometry import read_shape
+from warp_mps.usd.case.geometry import geometry_of, read_shape
 from warp_mps.usd.case.prim_values import related_prims, typed
 
 # relationships, in the order in which they are applied, and the operation of each
@@ -55,19 +55,28 @@ class _Reader:
         self.count += 1
         if self.count > MOST_SHAPES:
             raise InputError(self.path, PLUS, f"makes a shape of more than {MOST_SHAPES} others")
-        # the bore's radius is a length of the shape's own coordinates, as its radius is
-        bore = typed(prim.GetAttribute(BORE), "double") if is_given(prim, BORE) else None
-        shape = read_shape(prim, self.frame, None if bore is None else bore * self.frame.stage.meters_per_unit)
+        shape = self._own(prim, (*chain, path))
         for name, join in JOINS.items():
             for target in self._targets(prim, name):
                 other = str(target.GetPath())
                 if other == path or other in chain:
                     raise InputError(path, name, f"refers to {other}, which is made of {path} itself")
-                if isinstance(shape, Points) or target.GetTypeName() == "Points":
+                second = self.read(target, (*chain, path))
+                if isinstance(shape, Points) or isinstance(second, Points):
                     which = path if isinstance(shape, Points) else other
                     raise InputError(path, name, f"needs shapes with an inside: {which} is of ready-made particles")
-                shape = join(shape, self.read(target, (*chain, path)))
+                shape = join(shape, second)
         return shape
+
+    def _own(self, prim: Usd.Prim, chain: tuple[str, ...]) -> Shape:
+        """The shape of a prim before it is joined with others: its own, or that of the geometry below it."""
+        geometry = geometry_of(prim)
+        bored = is_given(prim, BORE)
+        if geometry != prim and not bored:
+            return self.read(geometry, chain)
+        # the bore's radius is a length of the shape's own coordinates, as its radius is
+        bore = typed(prim.GetAttribute(BORE), "double") * self.frame.stage.meters_per_unit if bored else None
+        return read_shape(prim, self.frame, bore)
 
     def _targets(self, prim: Usd.Prim, name: str) -> list[Usd.Prim]:
         path = str(prim.GetPath())

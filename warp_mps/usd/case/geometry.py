@@ -8,6 +8,7 @@ from pxr import Usd, UsdGeom
 from warp_mps.errors import InputError
 from warp_mps.shapes import Box, Cylinder, Mesh, Points, Shape, Sphere
 from warp_mps.shapes.lattice import rigid_axes
+from warp_mps.usd.case.attributes import ROLE
 from warp_mps.usd.case.authored import is_given
 from warp_mps.usd.case.frame import Frame
 from warp_mps.usd.case.prim_values import typed
@@ -20,6 +21,35 @@ KINDS = ("Cube", "Sphere", "Cylinder", "Mesh", "Points")
 def has_shape(prim: Usd.Prim) -> bool:
     """Whether a prim is a geometry, one that can be read or not."""
     return bool(prim.IsA(UsdGeom.Gprim))
+
+
+def geometry_of(prim: Usd.Prim) -> Usd.Prim:
+    """The geometry that a prim stands for: itself, or the only one below an Xform, as programs export their objects.
+
+    Geometries that have a role of their own, or lie below a prim that has one, are not meant.
+
+    Raises:
+        InputError: There are several below it, or a PointInstancer.
+    """
+    if prim.GetTypeName() not in ("Xform", ""):
+        return prim
+    found = []
+    below = iter(Usd.PrimRange(prim, Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)))
+    for other in below:
+        if other != prim and is_given(other, ROLE):
+            below.PruneChildren()
+        elif other.IsA(UsdGeom.PointInstancer):
+            reason = (
+                f"stands above the PointInstancer {other.GetPath()}, whose copies are not read: make a prim of each"
+            )
+            raise InputError(str(prim.GetPath()), ROLE, reason)
+        elif has_shape(other):
+            found.append(other)
+    if len(found) > 1:
+        paths = f"{found[0].GetPath()} and {found[1].GetPath()}"
+        reason = f"has {len(found)} geometries below it, such as {paths}: give each a role, or join them by mps:plus"
+        raise InputError(str(prim.GetPath()), "", reason)
+    return found[0] if found else prim
 
 
 def read_shape(prim: Usd.Prim, frame: Frame, inner_radius: float | None = None) -> Shape:
@@ -38,7 +68,8 @@ def read_shape(prim: Usd.Prim, frame: Frame, inner_radius: float | None = None) 
     """
     path, kind = str(prim.GetPath()), str(prim.GetTypeName())
     if kind not in KINDS:
-        raise InputError(path, "", f"is {kind or 'a prim without a type'}, must be one of: {', '.join(KINDS)}")
+        allowed = f"must be one of: {', '.join(KINDS)}, or an Xform above one of them"
+        raise InputError(path, "", f"is {kind or 'a prim without a type'}, {allowed}")
     placement = frame.placement(world_matrix(prim))
     if not np.isfinite(placement).all() or abs(np.linalg.det(placement[:3, :3])) < 1e-300:
         raise InputError(path, "xformOpOrder", "the transform flattens the shape: no scale may be zero")

@@ -34,7 +34,7 @@ from warp_mps.usd.case.attributes import ROLE
 from warp_mps.usd.case.authored import constant, is_given
 from warp_mps.usd.case.composites import read_region
 from warp_mps.usd.case.diagnostics import reason_of
-from warp_mps.usd.case.geometry import has_shape
+from warp_mps.usd.case.geometry import geometry_of, has_shape
 from warp_mps.usd.case.open_stage import open_stage, quiet
 from warp_mps.usd.case.prim_values import Values
 from warp_mps.usd.case.stage_errors import stage_error
@@ -166,7 +166,7 @@ class _Reader:
 
     def _liquid(self, prim: Usd.Prim) -> Liquid:
         """The liquid that is bound to a fluid, water by default."""
-        bound, _ = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial("physics")
+        bound, _ = UsdShade.MaterialBindingAPI(geometry_of(prim)).ComputeBoundMaterial("physics")
         given: dict[str, Any] = {"path": str(prim.GetPath())}
         if bound:
             values = self._values(bound.GetPrim(), "liquid")
@@ -191,7 +191,7 @@ class _Reader:
         return values.targets("mps:body")[0]
 
     def _material(self, prim: Usd.Prim) -> Material:
-        bound, _ = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial("physics")
+        bound, _ = UsdShade.MaterialBindingAPI(geometry_of(prim)).ComputeBoundMaterial("physics")
         if not bound:
             raise InputError(str(prim.GetPath()), "material:binding:physics", "is missing: bind a material")
         values = self._values(bound.GetPrim(), "material")
