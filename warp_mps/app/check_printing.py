@@ -3,20 +3,15 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable
 
 from rich.table import Table
 
 from warp_mps.app.printing import console, plain_table
-from warp_mps.results.formatting import duration, memory
-from warp_mps.run.inventory.case_check import CaseCheck, check
-from warp_mps.run.inventory.flotation import Flotation
-from warp_mps.run.inventory.items import ItemCheck
-from warp_mps.run.schedule import Clock
+from warp_mps.results.formatting import memory
+from warp_mps.run.inventory.case_check import check
+from warp_mps.run.inventory.text import cost_rows, item_rows
 from warp_mps.scene import Scene
-
-# in spacings: smaller misfits and gaps are not printed
-LEAST_MISFIT = 0.01
 
 
 def print_check(scene: Scene, *, as_json: bool = False) -> int:
@@ -30,8 +25,10 @@ def print_check(scene: Scene, *, as_json: bool = False) -> int:
     if as_json:
         print(found.to_json())
         return 0
-    out.print(_table(_cost_rows(scene, found)))
-    out.print(_table(row for item in found.items for row in _item_rows(item, scene)))
+    free = shutil.disk_usage(".").free
+    note = "" if 2.0 * found.cost.disk <= free else "  TOO MUCH: save fewer frames, by a lower mps:frameRate"
+    out.print(_table([*cost_rows(found), ("free here", f"{memory(free)}{note}")]))
+    out.print(_table(row for item in found.items for row in item_rows(item)))
     for line in found.remarks:
         out.print(line, highlight=False, soft_wrap=True)
     return 0
@@ -43,86 +40,3 @@ def _table(rows: Iterable[tuple[str, str]]) -> Table:
     for name, value in rows:
         table.add_row(name, value)
     return table
-
-
-def _cost_rows(scene: Scene, found: CaseCheck) -> Iterator[tuple[str, str]]:
-    """Names and values of what a run of a case takes."""
-    clock, static, cost = Clock(scene), scene.analysis == "static", found.cost
-    step = cost.time_step
-    yield "case", f"{found.case} ({found.method})"
-    note = "" if step.length <= step.stable else f"  ABOVE THE LIMIT of {step.stable:.4g} s: will be unstable"
-    name = "longest time step" if scene.fluids else "load step" if static else "time step"
-    yield name, f"{step.length:.4g}{'' if static else ' s'}, limited by {step.limited_by}{note}"
-    others = sorted((length, cause) for cause, length in step.limits.items() if cause != step.limited_by)
-    for length, cause in others:
-        yield "  other limits" if length == others[0][0] else "", f"{length:.4g} s, {cause}"
-    if scene.fluids and scene.bodies:
-        text = (
-            "implicit, those of the fluid" if step.implicit else f"{step.substeps} explicit ones in a step of the fluid"
-        )
-        yield "steps of the bodies", text
-    yield "steps, about; frames" if scene.fluids else "steps, frames", f"{step.steps}, {cost.frames}"
-    rates = (1.0 / (every * clock.dt) for every in (clock.frame_every, clock.sample_every))
-    if not static:
-        yield "frames, rows of probes.csv a second", ", ".join(f"{rate:.6g}" for rate in rates)
-    yield "memory", f"{memory(cost.memory)} of {memory(found.available_memory)} available"
-    free = shutil.disk_usage(".").free
-    note = "" if 2.0 * cost.disk <= free else "  TOO MUCH: save fewer frames, by a lower mps:frameRate"
-    here = f"at most {memory(cost.disk)}, twice that while it is written, {memory(free)} are free here"
-    yield "animation", f"{here}{note}"
-    yield "CPU time on one core, about", duration(cost.seconds)
-
-
-def _item_rows(item: ItemCheck, scene: Scene) -> Iterator[tuple[str, str]]:
-    """Names and values of what an item is."""
-    plane = scene.dimension == 2
-    yield f"{item.kind} {item.name}", "" if item.path == f"{item.kind} '{item.name}'" else item.path
-    size = f"{_times(item.size)} m"
-    if item.size_in_stage:
-        size += f", {_times(item.size_in_stage)} units of the stage"
-    yield "  size, from", f"{size}, {_point(item.low, item.spacing)} m"
-    across = f", {_times(item.lattice.across)} at most" if item.lattice else ""
-    yield "  particles", f"{item.particles} of {item.spacing:g} m{across}"
-    if item.lattice and abs(item.lattice.worst) > LEAST_MISFIT:
-        ends = "; ".join(f"{low:+.3g} {high:+.3g}" for low, high in item.lattice.misfit)
-        yield "  beyond the drawn faces, in spacings", ends
-    yield from _mass_rows(item, plane)
-    if item.flotation:
-        yield from _flotation_rows(item.flotation)
-    if item.wet_sides:
-        yield "  wet on", ", ".join(item.wet_sides)
-    apart = [gap for gap in item.gaps if abs(gap.gap) > LEAST_MISFIT]
-    if apart:
-        yield "  gaps, in spacings", ", ".join(f"{gap.gap:.3g} {gap.side} to {gap.neighbour}" for gap in apart)
-
-
-def _mass_rows(item: ItemCheck, plane: bool) -> Iterator[tuple[str, str]]:
-    properties = item.mass
-    yield "  area" if plane else "  volume", f"{properties.volume:.6g} m^{2 if plane else 3}"
-    centre = f"{_point(properties.centre, item.spacing)} m"
-    if properties.mass is None or properties.inertia is None:
-        yield "  centre", centre
-        return
-    yield "  mass", f"{properties.mass:.6g} {'kg/m' if plane else 'kg'}"
-    for share in item.parts:
-        yield f"    of {share.name}", f"{share.particles} particles, {share.mass:.6g} {'kg/m' if plane else 'kg'}"
-    moments = ", ".join(f"{row[k]:.4g}" for k, row in enumerate(properties.inertia))
-    yield "  centre of gravity, inertia about it", f"{centre}, {moments} {'kg m' if plane else 'kg m^2'}"
-
-
-def _flotation_rows(found: Flotation) -> Iterator[tuple[str, str]]:
-    if found.draught is None:
-        yield "  floats", f"no: it sinks; drawn at a draught of {found.drawn:.4g} m"
-        return
-    yield "  draught", f"{found.draught:.4g} m in equilibrium, {found.drawn:.4g} m as drawn"
-    fate = "" if (found.metacentric_height or 0.0) > 0.0 else ", it capsizes"
-    yield "  metacentric height", f"{found.metacentric_height:.4g} m{fate}"
-
-
-def _times(lengths: Sequence[float]) -> str:
-    return " x ".join(f"{length:.6g}" for length in lengths)
-
-
-def _point(coordinates: Sequence[float], spacing: float) -> str:
-    """A point as text, without the rounding of coordinates that are 0."""
-    return f"({', '.join(f'{0.0 if abs(value) < 1e-9 * spacing else value:.6g}' for value in coordinates)})"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -10,7 +11,7 @@ import pytest
 
 import warp_mps as mps
 from tests.coupling.scenes import lump, pool
-from tests.scenes import beam
+from tests.scenes import HAMILTONIAN, beam
 from warp_mps.errors import InputError
 from warp_mps.run.inventory.case_check import check
 from warp_mps.scene import Material, Part, StageFrame, Support
@@ -71,3 +72,14 @@ def test_what_a_run_would_refuse_is_refused() -> None:
         check(replace(scene, bodies=(replace(scene.bodies[0], spacing=1e-8),)))
     with pytest.raises(InputError, match="must be a Scene"):
         check("dam_break")  # type: ignore[arg-type]
+
+
+def test_the_check_is_text() -> None:
+    """What the command prints, the remarks last."""
+    lines = str(check(pool(BLOCK))).splitlines()
+    assert lines[0].endswith("(2-D, plane strain, dynamic, fluid scheme conservative, model hamiltonian)")
+    assert any(re.match(r"longest time step +\S+ s, limited by CFL number 0.2 at", line) for line in lines)
+    assert any(re.match(r"  draught +\S+ m in equilibrium, \S+ m as drawn$", line) for line in lines)
+    assert any(re.match(r"steps of the bodies +", line) for line in lines)
+    static = beam(4, analysis="static", elasticity=HAMILTONIAN)
+    assert re.search(r"load step +0.1, limited by mps:loadSteps", str(check(static)))

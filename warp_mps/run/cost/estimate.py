@@ -28,7 +28,9 @@ class Cost:
         neighbours: Neighbours of a particle inside a body, or inside a fluid where there is one.
         time_step: The time step, and what limits it.
         frames: Number of saved frames.
-        memory: Memory needed at most [bytes].
+        frame_rate: Saved frames per simulated second [1/s]; in statics, per unit of the load factor.
+        sample_rate: Rows of probes.csv likewise [1/s].
+        memory: Memory needed at most, beside that of the program itself [bytes].
         disk: Size of the animation at most, of which two are kept while it is written [bytes].
         seconds: CPU time on one core, the start of the program included [s].
     """
@@ -37,6 +39,8 @@ class Cost:
     neighbours: int
     time_step: TimeStep
     frames: int
+    frame_rate: float
+    sample_rate: float
     memory: float
     disk: float
     seconds: float
@@ -66,6 +70,8 @@ def estimate(scene: Scene, particles: Particles | None = None) -> Cost:
         neighbours=lattice_neighbours(scene.dimension, radius),
         time_step=step,
         frames=frames,
+        frame_rate=1.0 / (clock.frame_every * clock.dt),
+        sample_rate=1.0 / (clock.sample_every * clock.dt),
         memory=memory_of(scene, counts),
         disk=disk_of(scene, counts, frames),
         seconds=seconds_of(scene, particles, step, clock),

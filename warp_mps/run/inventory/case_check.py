@@ -12,9 +12,11 @@ from warp_mps.particles.selection import select_held
 from warp_mps.results.formatting import finite
 from warp_mps.run.cost import Cost, available_memory, estimate, refuse_too_large
 from warp_mps.run.inventory.items import ItemCheck, check_items
+from warp_mps.run.inventory.text import outline
 from warp_mps.run.remarks import remarks_on_case
 from warp_mps.run.simulation import require_scene
 from warp_mps.scene import Load, Scene, Support
+from warp_mps.scene.choices import AnalysisName
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -24,7 +26,8 @@ class CaseCheck:
     Attributes:
         case: Name of the case.
         dimension: 2 or 3.
-        method: Analysis, models and schemes that compute it.
+        analysis: ``dynamic`` or ``static``.
+        method: Models and schemes that compute it.
         items: Its bodies, walls and fluids.
         cost: Estimated cost of a run.
         available_memory: Memory that can be taken [bytes].
@@ -33,11 +36,16 @@ class CaseCheck:
 
     case: str
     dimension: int
+    analysis: AnalysisName
     method: str
     items: tuple[ItemCheck, ...]
     cost: Cost
     available_memory: float
     remarks: tuple[str, ...]
+
+    def __str__(self) -> str:
+        """The check as ``warp-mps check`` prints it."""
+        return outline(self)
 
     def item(self, name: str) -> ItemCheck:
         """A body, wall or fluid by its name.
@@ -73,6 +81,7 @@ def check(scene: Scene) -> CaseCheck:
     return CaseCheck(
         case=scene.name,
         dimension=scene.dimension,
+        analysis=scene.analysis,
         method=_method(scene),
         items=check_items(scene, particles),
         cost=estimate(scene, particles),
@@ -82,7 +91,7 @@ def check(scene: Scene) -> CaseCheck:
 
 
 def _method(scene: Scene) -> str:
-    """Dimension and method of a scene."""
+    """Dimension, analysis, scheme and model of a scene."""
     kind = "3-D" if scene.dimension == 3 else f"2-D, plane {scene.plane}" if scene.bodies else "2-D"
     parts = [kind, "static" if scene.analysis == "static" else "dynamic"]
     parts += [f"fluid scheme {scene.flow.scheme}"] if scene.fluids else []
