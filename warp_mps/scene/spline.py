@@ -28,16 +28,24 @@ def clamped_slopes(times: np.ndarray, rows: np.ndarray) -> np.ndarray:
     Returns:
         Slopes [1/s], shape [n, k].
     """
-    slopes = np.zeros_like(rows)
     h = np.diff(times)
     steep = np.diff(rows, axis=0) / h[:, None]
-    upper = np.zeros(len(times))
-    for k in range(1, len(times) - 1):
-        pivot = 2.0 * (h[k - 1] + h[k]) - h[k] * upper[k - 1]
-        upper[k] = h[k - 1] / pivot
-        right = 3.0 * (h[k] * steep[k - 1] + h[k - 1] * steep[k])
-        slopes[k] = (right - h[k] * slopes[k - 1]) / pivot
-    for k in range(len(times) - 3, 0, -1):
+    before, after = h[:-1, None], h[1:, None]
+    right = 3.0 * (after * steep[:-1] + before * steep[1:])
+    diagonal = 2.0 * (h[:-1] + h[1:])
+    columns = [_eliminated(h.tolist(), diagonal.tolist(), column.tolist()) for column in right.T]
+    return np.column_stack(columns)
+
+
+def _eliminated(h: list[float], diagonal: list[float], right: list[float]) -> list[float]:
+    """Solution of the equations for one column; Python's floats are faster here than numbers of arrays."""
+    upper, slopes = [0.0], [0.0]
+    for k in range(1, len(h)):
+        pivot = diagonal[k - 1] - h[k] * upper[-1]
+        upper.append(h[k - 1] / pivot)
+        slopes.append((right[k - 1] - h[k] * slopes[-1]) / pivot)
+    slopes.append(0.0)
+    for k in range(len(h) - 2, 0, -1):
         slopes[k] -= upper[k] * slopes[k + 1]
     return slopes
 

@@ -8,7 +8,7 @@ from types import MappingProxyType
 from typing import Any
 
 import numpy as np
-from pxr import Gf, Sdf, Tf, Usd, UsdGeom, UsdPhysics, UsdShade
+from pxr import Gf, Sdf, Tf, Usd, UsdGeom, UsdPhysics, UsdShade, Vt
 
 from warp_mps import scene as sc
 from warp_mps.errors import InputError
@@ -267,11 +267,11 @@ def _usd_value(value: Any, row: StageAttribute, frame: Frame) -> Any:
     if row.kind in ("double", "float"):
         return float(value) / frame.factor(row)
     if row.kind == "double[]":
-        return [float(number) for number in value]
+        return Vt.DoubleArray.FromNumpy(np.ascontiguousarray(value, float))
     if row.kind == "double3":
         return Gf.Vec3d(*frame.vectors_to_stage(value, row).tolist())
     if row.kind == "double3[]":
-        return [Gf.Vec3d(*vector) for vector in frame.vectors_to_stage(value, row).tolist()]
+        return Vt.Vec3dArray.FromNumpy(np.ascontiguousarray(frame.vectors_to_stage(value, row)))
     return value
 
 
