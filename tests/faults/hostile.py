@@ -21,10 +21,13 @@ import numpy as np
 from pxr import Sdf
 
 from tests.faults.broken import BREAKAGES
-from tests.faults.mutations import CHANGES, pick
+from tests.faults.misplaced_values import MISPLACED
+from tests.faults.mutations import CHANGES as WILD_CHANGES
+from tests.faults.mutations import pick
 from tests.faults.seeds import seeds
 from tests.faults.worker import RESIDENT, Ending, Worker
 
+CHANGES = {**WILD_CHANGES, **MISPLACED}
 SEVERAL = "several changes"
 KINDS = (*CHANGES, SEVERAL, *BREAKAGES)
 # a few of the cases are run, for a few steps

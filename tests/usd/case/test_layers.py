@@ -163,6 +163,7 @@ def test_packages_are_read_and_referred_to(home: Path) -> None:
         (b"#usda 1.0\n# a comment\n# \xe9\xe8\n", "line 3 is not UTF-8"),
         (b'#usda 1.0\ndef "A"\n{\n    double x = "hi"\n}\n', "line 4"),
         (b"#usda 1.0\n" + b'def "a" {\n' * 600 + b"}\n" * 600, "more than 500 nested brackets"),
+        (b'#usda 1.0\ndef PhysicsScene "A"\n{\n    int mps:dimension = 2.5\n}\n', "is 2.5, must be a whole number"),
         (b"#usda 1.0\n" + b"(" * 10**6, "more than 500 nested brackets"),
         (b'#usda 1.0\ndef "' + b"a" * 10**6 + b'" {', "is not a USD stage"),
     ],

@@ -31,6 +31,8 @@ _CODE = re.compile(
     rb"|@@@.*?@@@|@[^@\n]*@|#[^\n]*|//[^\n]*|/\*.*?\*/|.",
     re.DOTALL,
 )
+# whole numbers of a case, of which USD would cut off a fraction
+_WHOLE = re.compile(rb"\bint\s+(mps:[\w:]+)\s*=\s*([-+]?(?:[0-9]+\.[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?)")
 _NO_BRACKETS = bytes({*range(256)} - {*b"([{}])"})
 # a scheme such as http://, but not the letter of a drive
 _SCHEME = re.compile(r"[A-Za-z][A-Za-z0-9+.-]+:")
@@ -165,6 +167,9 @@ def _is_binary(file: str) -> bool:
         line = data.count(b"\n", 0, error.start) + 1
         raise InputError(file, "", f"is not a USD stage that can be read: line {line} is not UTF-8") from None
     code = b"".join(_CODE.findall(data))
+    for name, number in _WHOLE.findall(code):
+        if not float(number).is_integer():
+            raise InputError(file, name.decode(), f"is {number.decode()}, must be a whole number")
     if _depth(code) > DEEPEST:
         raise InputError(file, "", f"is not a USD stage that can be read: more than {DEEPEST} nested brackets")
     return False
