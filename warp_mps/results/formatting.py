@@ -27,7 +27,8 @@ def duration(seconds: float) -> str:
 
 def memory(size: float) -> str:
     """A size in bytes as text."""
-    return f"{size / 2**30:.3g} GiB" if size >= 2**30 else f"{size / 2**20:.3g} MiB"
+    # 1023 MiB would be 1.02e+03 MiB
+    return f"{size / 2**30:.3g} GiB" if size >= 999.5 * 2**20 else f"{size / 2**20:.3g} MiB"
 
 
 def finite(value: Any) -> Any:

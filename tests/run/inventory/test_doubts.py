@@ -33,10 +33,10 @@ def test_a_plank_at_its_draught_is_not_remarked() -> None:
 
 def test_a_plank_off_its_draught_is_remarked() -> None:
     assert remarks(afloat((0.1, 0.06), (0.3, 0.1), 500.0)) == [
-        "/World/plank: floats at a draught of 0.02 m, 0.04 m are drawn: it rises by 0.02 m (2 spacings)"
+        "/World/plank: floats at a draught of 0.02 m, 0.04 m are drawn: it rises by 0.02 m (2.0 spacings)"
     ]
     (line,) = remarks(afloat((0.1, 0.09), (0.3, 0.13), 750.0))
-    assert line.endswith("it sinks by 0.02 m (2 spacings)")
+    assert line.endswith("it sinks by 0.02 m (2.0 spacings)")
 
 
 def test_what_is_not_in_the_water_is_not_remarked() -> None:

@@ -28,7 +28,7 @@ def remarks_on_flotation(scene: Scene, particles: Particles) -> list[str]:
             continue
         where, off = place(body, kind_of(body)), found.draught - found.drawn
         if abs(off) > DRAUGHT * body.spacing:
-            moves = f"{'sinks' if off > 0.0 else 'rises'} by {abs(off):.4g} m ({abs(off) / body.spacing:.2g} spacings)"
+            moves = f"{'sinks' if off > 0.0 else 'rises'} by {abs(off):.4g} m ({abs(off) / body.spacing:.1f} spacings)"
             draughts = f"floats at a draught of {found.draught:.4g} m, {found.drawn:.4g} m are drawn"
             lines.append(f"{where}: {draughts}: it {moves}")
         if found.metacentric_height < 0.0:

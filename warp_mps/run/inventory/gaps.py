@@ -45,16 +45,27 @@ def gaps(particles: Particles) -> list[tuple[Gap, ...]]:
         surfaces.append(
             (particles.positions[low:high][surface_particles(particles.positions[low:high], spacing)], spacing)
         )
+    beside = _boxes_near(surfaces)
     found: list[tuple[Gap, ...]] = []
-    for own in range(len(surfaces)):
+    for own, others in enumerate(beside):
         mine: list[Gap] = []
-        for other, name in enumerate(particles.names):
+        for other in np.flatnonzero(others).tolist():
             # the joints of walls are no gaps of a tank, which its fluid shows
             both_walls = first_wall <= own < first_fluid and first_wall <= other < first_fluid
             if other != own and not both_walls:
-                mine += _between(surfaces[own], surfaces[other], name, other >= first_fluid > own)
+                mine += _between(surfaces[own], surfaces[other], particles.names[other], other >= first_fluid > own)
         found.append(tuple(mine))
     return found
+
+
+def _boxes_near(surfaces: list[tuple[np.ndarray, float]]) -> np.ndarray:
+    """Whether the boxes about two items lie so near to each other that a gap may be told, shape [items, items]."""
+    low, high = (np.array([extreme(x, axis=0) for x, _ in surfaces]) for extreme in (np.min, np.max))
+    spacings = np.array([spacing for _, spacing in surfaces])
+    reach = (1.0 + REACH) * np.maximum(spacings[:, None], spacings[None, :])
+    return np.all(low[None, :] - high[:, None] <= reach[..., None], axis=2) & np.all(
+        low[:, None] - high[None, :] <= reach[..., None], axis=2
+    )
 
 
 def _dry(particles: Particles) -> int:
