@@ -69,7 +69,7 @@ def make(number: int, folder: Path, texts: dict[str, str], *, seed: int = 0) -> 
     done = []
     for change in changes:
         # what it changes may not be there any more, and USD refuses some values
-        with contextlib.suppress(IndexError, RuntimeError, TypeError):
+        with contextlib.suppress(IndexError, RuntimeError, TypeError, ValueError):
             done.append(change(layer, random))
     path = folder / "case.usda"
     layer.Export(str(path))
