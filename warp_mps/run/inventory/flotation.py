@@ -21,6 +21,10 @@ from warp_mps.scene.bonds import bonded_bodies
 
 # cells of the box about a body up to which its inside is looked for
 MOST_CELLS = 4_000_000
+# cells about a body in its box: the outermost ones end the search, water comes from those beside them
+MARGIN = 2
+# in spacings: precision of the draught
+PRECISION = 1e-9
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -85,12 +89,13 @@ def flotation(
     draught = _draught(bottoms, floods - keel, spacing, volume, float(masses.sum()) / density)
     if draught is None:
         return Flotation(draught=None, drawn=drawn, displaced=None, metacentric_height=None)
-    dry = floods - keel >= draught
+    dry = floods - keel >= draught - PRECISION * spacing
     wet_part = np.clip((draught - bottoms) / spacing, 0.0, 1.0) * dry
     displaced = float(wet_part.sum()) * volume
     buoyancy = float(wet_part @ (bottoms + 0.5 * spacing * wet_part)) * volume / displaced
     gravity_centre = float(masses @ x[:, -1]) / float(masses.sum()) - keel
-    plane = cells[(wet_part > 1e-9) & (bottoms + spacing >= draught - 1e-9 * spacing), :-1]
+    near = 2.0 * PRECISION
+    plane = cells[(wet_part > near) & (bottoms + spacing >= draught - near * spacing), :-1]
     moment = _least_moment(plane, spacing)
     height = buoyancy + moment / displaced - gravity_centre
     return Flotation(draught=draught, drawn=drawn, displaced=displaced, metacentric_height=height)
@@ -110,54 +115,69 @@ def _cells(x: np.ndarray, spacing: float) -> tuple[np.ndarray, np.ndarray]:
     """
     low = x.min(axis=0)
     number = np.round((x - low) / spacing).astype(np.int64)
-    shape = tuple((number.max(axis=0) + 3).tolist())
+    shape = tuple((number.max(axis=0) + 1 + 2 * MARGIN).tolist())
     on_lattice = np.abs((x - low) / spacing - number).max() < 0.1
     if np.prod(shape, dtype=float) > MOST_CELLS or not on_lattice:
         return x, np.full(len(x), np.inf)
     solid = np.zeros(shape, bool)
-    solid[tuple((number + 1).T)] = True
+    solid[tuple((number + MARGIN).T)] = True
     spill = _spill_layers(solid)
     inside = np.argwhere(~solid & (spill > np.arange(shape[-1])))
-    tops = low[-1] + (spill[tuple(inside.T)] - 1.5) * spacing
-    return np.vstack((x, low + (inside - 1) * spacing)), np.concatenate((np.full(len(x), np.inf), tops))
+    tops = low[-1] + (spill[tuple(inside.T)] - MARGIN - 0.5) * spacing
+    return np.vstack((x, low + (inside - MARGIN) * spacing)), np.concatenate((np.full(len(x), np.inf), tops))
 
 
 def _spill_layers(solid: np.ndarray) -> np.ndarray:
-    """Layer up to which water must rise to reach each cell, its own where it flows in freely; huge where it cannot."""
-    never = np.iinfo(np.int64).max
-    spill = np.full(solid.shape, never)
-    reached = solid.copy()
-    steps = [np.eye(solid.ndim, dtype=np.int64)[axis] * sign for axis in range(solid.ndim) for sign in (-1, 1)]
-    border = np.zeros(solid.shape, bool)
-    for axis in range(solid.ndim - 1):
-        border[(slice(None),) * axis + ([0, -1],)] = True
-    border[..., 0] = True
-    waiting = np.zeros((0, solid.ndim), np.int64)
-    for layer in range(solid.shape[-1]):
-        start = np.argwhere(border[..., layer] & ~reached[..., layer])
-        front = np.column_stack((start, np.full(len(start), layer)))
-        front = np.unique(np.vstack((front, waiting[waiting[:, -1] <= layer])), axis=0)
-        waiting = waiting[waiting[:, -1] > layer]
-        front = front[~reached[tuple(front.T)]]
+    """Layer up to which water must rise to reach each cell of a box, its own where it flows in freely.
+
+    Water comes from the sides and from below. Cells that it never reaches have the number of layers; those of the
+    outermost layer of the box, which end the search, have 0.
+    """
+    layers = solid.shape[-1]
+    spill = np.full(solid.size, layers)
+    outermost, sides = np.ones(solid.shape, bool), np.ones(solid.shape, bool)
+    outermost[(slice(1, -1),) * solid.ndim] = False
+    sides[(slice(2, -2),) * (solid.ndim - 1) + (slice(2, None),)] = False
+    spill[outermost.ravel()] = 0
+    reached = (solid | outermost).ravel()
+    sources = np.flatnonzero(sides.ravel() & ~reached)
+    steps = np.array([sign * stride // solid.itemsize for stride in solid.strides for sign in (-1, 1)])
+    waiting: list[list[np.ndarray]] = [[] for _ in range(layers)]
+    for layer in range(layers):
+        front = np.unique(np.concatenate([sources[sources % layers == layer], *waiting[layer]]))
+        front = front[~reached[front]]
         while len(front):
-            reached[tuple(front.T)] = True
-            spill[tuple(front.T)] = layer
-            beside = np.unique(np.vstack([front + step for step in steps]), axis=0)
-            beside = beside[np.all((beside >= 0) & (beside < solid.shape), axis=1)]
-            beside = beside[~reached[tuple(beside.T)]]
-            waiting = np.vstack((waiting, beside[beside[:, -1] > layer]))
-            front = beside[beside[:, -1] <= layer]
-    return spill
+            reached[front], spill[front] = True, layer
+            beside = np.unique((front[:, None] + steps).ravel())
+            beside = beside[~reached[beside]]
+            above = beside[beside % layers > layer]
+            # a step leads up by one layer at most
+            if len(above):
+                waiting[layer + 1].append(above)
+            front = beside[beside % layers <= layer]
+    return spill.reshape(solid.shape)
 
 
 def _draught(bottoms: np.ndarray, floods: np.ndarray, spacing: float, volume: float, wanted: float) -> float | None:
-    """The least draught at which the cells displace a volume; None where they never do."""
-    knots = np.unique(np.round(np.concatenate((bottoms, bottoms + spacing, floods[np.isfinite(floods)])), 12))
-    for low, high in itertools.pairwise(knots.tolist()):
-        dry = floods >= high - 1e-9 * spacing
-        start, end = (volume * float((np.clip((at - bottoms) / spacing, 0.0, 1.0) * dry).sum()) for at in (low, high))
-        if end >= wanted * (1.0 - 1e-12) and end > start:
-            return float(low + (high - low) * max(0.0, wanted - start) / (end - start))
+    """The least draught at which the cells displace a volume; None where they never do.
+
+    Between two draughts at which a place is flooded, the volume grows with the draught: it is found by bisection.
+    """
+    top = float(bottoms.max()) + spacing
+    ends = np.unique(np.append(floods[floods < top], top))
+    for low, high in itertools.pairwise([0.0, *ends.tolist()]):
+        dry = bottoms[floods >= high]
+
+        def displaced(draught: float, cells: np.ndarray = dry) -> float:
+            return volume * float(np.clip((draught - cells) / spacing, 0.0, 1.0).sum())
+
+        if displaced(high) < wanted * (1.0 - 1e-12):
+            continue
+        below, above = low, high
+        while above - below > PRECISION * spacing:
+            middle = 0.5 * (below + above)
+            below, above = (middle, above) if displaced(middle) < wanted else (below, middle)
+        return above
     return None
 
 
