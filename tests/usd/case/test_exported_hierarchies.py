@@ -44,6 +44,14 @@ def test_an_xform_stands_for_the_geometry_below_it(tmp_path: Path) -> None:
     assert fill_scene(scene).count == 100
 
 
+def test_a_density_and_a_mass_may_stand_on_the_geometry(tmp_path: Path) -> None:
+    density, mass = "        float physics:density = 100\n", "        float physics:mass = 1\n"
+    assert read_stage(stage(tmp_path, more=CUBE + density)).bodies[0].material.density == 100.0
+    path = stage(tmp_path, more=CUBE + density, beside="    float physics:density = 50\n")
+    assert read_stage(path).bodies[0].material.density == 50.0
+    assert refusal(stage(tmp_path, more=CUBE + mass)).attribute == "physics:mass"
+
+
 def test_it_may_be_joined_with_others_and_be_joined(tmp_path: Path) -> None:
     half = ("Cube", "double size = 1", "double3 xformOp:translate = (0, 2.5, 0)")
     half = (*half, 'uniform token[] xformOpOrder = ["xformOp:translate"]')

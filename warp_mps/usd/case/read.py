@@ -199,12 +199,15 @@ class _Reader:
         return Material(path=values.path, **values.fields(without=own), **own)
 
     def _own_density(self, prim: Usd.Prim) -> dict[str, Any]:
-        """Density that the body gives itself; in UsdPhysics zero means that it does not."""
-        values = Values(prim, "material", self.frame)
-        if is_given(prim, "physics:mass") and constant(prim.GetAttribute("physics:mass")):
-            raise InputError(values.path, "physics:mass", "is not read: give the density, physics:density, instead")
-        density = values.get("physics:density") if values.given("physics:density") else 0.0
-        return {"density": density} if density else {}
+        """Density that the body, or its geometry, gives itself; in UsdPhysics zero means that it does not."""
+        for owner in (prim, geometry_of(prim)):
+            values = Values(owner, "material", self.frame)
+            if is_given(owner, "physics:mass") and constant(owner.GetAttribute("physics:mass")):
+                raise InputError(values.path, "physics:mass", "is not read: give the density, physics:density, instead")
+            density = values.get("physics:density") if values.given("physics:density") else 0.0
+            if density:
+                return {"density": density}
+        return {}
 
     def _support(self, prim: Usd.Prim) -> Support:
         values = self._values(prim, "support")
