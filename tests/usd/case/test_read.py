@@ -186,7 +186,7 @@ def test_ready_made_particles_turn_with_their_prim(tmp_path: Path) -> None:
     cloud = (
         "Points",
         'token mps:role = "body"',
-        "double mps:spacing = 0.5",
+        "double mps:spacing = 1",
         "rel material:binding:physics = </Steel>",
         "point3f[] points = [(1, 0, 0), (2, 0, 0)]",
         "vector3f[] velocities = [(1, 0, 0), (0, 0, 0)]",
@@ -195,7 +195,7 @@ def test_ready_made_particles_turn_with_their_prim(tmp_path: Path) -> None:
     )
     shape = read_stage(write(tmp_path, length=0.5, Cloud=cloud)).bodies[1].shape
     assert isinstance(shape, Points)
-    np.testing.assert_allclose(fill(shape, 0.25, 2), [(0, 0.5), (0, 1)], atol=1e-7)
+    np.testing.assert_allclose(fill(shape, 0.5, 2), [(0, 0.5), (0, 1)], atol=1e-7)
     assert shape.velocities is not None
     np.testing.assert_allclose(shape.velocities, [(0, 0.5, 0), (0, 0, 0)], atol=1e-7)
 
