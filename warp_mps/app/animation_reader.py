@@ -23,6 +23,8 @@ UNITS = {"pressure": "Pa", "stress": "Pa", "strain": "1", "von_mises": "Pa", "st
 SAMPLE_FRAMES, SAMPLE = 24, 4_000_000
 # linear RGB of prims without a colour
 PLAIN = (0.3, 0.3, 0.3)
+# numbers of a file that can be computed with in single precision
+SMALLEST, LARGEST = 1e-15, 1e18
 
 
 def find_animation(folder: Path) -> Path:
@@ -105,13 +107,34 @@ class Animation:
         if not self.codes:
             raise InputError(str(self.path), "", "has no frames")
         self._points = points
-        self.clouds = tuple(_cloud(item) for item in points)
+        self._require_units()
+        self.clouds = tuple(_cloud(item, self.path) for item in points)
         self.times = np.array(self.codes) / self._stage.GetTimeCodesPerSecond()
         self.playback_rate = float(self._stage.GetFramesPerSecond())
         self.meters_per_unit = float(UsdGeom.GetStageMetersPerUnit(self._stage))
         self.kilograms_per_unit = float(UsdPhysics.GetStageKilogramsPerUnit(self._stage))
         self.up_axis = str(UsdGeom.GetStageUpAxis(self._stage))
-        self.provenance: Mapping[str, Any] = dict(self._stage.GetRootLayer().customLayerData)
+        data = dict(self._stage.GetRootLayer().customLayerData)
+        self.provenance: Mapping[str, Any] = {name: item for name, item in data.items() if _is_plain(item)}
+
+    def _require_units(self) -> None:
+        """Refuse units and rates that are no numbers above 0, and times that are not finite.
+
+        Raises:
+            InputError: It is so.
+        """
+        stage = self._stage
+        units = {
+            "timeCodesPerSecond": stage.GetTimeCodesPerSecond(),
+            "framesPerSecond": stage.GetFramesPerSecond(),
+            "metersPerUnit": UsdGeom.GetStageMetersPerUnit(stage),
+            "kilogramsPerUnit": UsdPhysics.GetStageKilogramsPerUnit(stage),
+        }
+        for name, value in units.items():
+            if not SMALLEST <= value <= LARGEST:
+                raise InputError(str(self.path), name, f"is {value:g}, must be from {SMALLEST:g} to {LARGEST:g}")
+        if not all(abs(code) <= LARGEST for code in self.codes):
+            raise InputError(str(self.path), "", "has a frame at a time that is not finite")
 
     def __len__(self) -> int:
         """Number of frames."""
@@ -128,16 +151,17 @@ class Animation:
 
     def points(self, cloud: int, frame: int) -> np.ndarray:
         """Positions of a cloud [stage units], shape [n, 3]."""
-        return np.array(self._points[cloud].GetPointsAttr().Get(self.codes[frame]), dtype=float).reshape(-1, 3)
+        return self._sound(cloud, frame, "points", self._points[cloud].GetPointsAttr().Get(self.codes[frame]), (3,))
 
     def velocities(self, cloud: int, frame: int) -> np.ndarray:
         """Velocities of a cloud [stage units/s], shape [n, 3]."""
-        return np.array(self._points[cloud].GetVelocitiesAttr().Get(self.codes[frame]), dtype=float).reshape(-1, 3)
+        values = self._points[cloud].GetVelocitiesAttr().Get(self.codes[frame])
+        return self._sound(cloud, frame, "velocities", values, (3,))
 
     def scalar(self, cloud: int, frame: int, name: str) -> np.ndarray:
         """A scalar quantity of a cloud [SI units], shape [n]."""
         primvar = UsdGeom.PrimvarsAPI(self._points[cloud]).GetPrimvar(name)
-        return np.array(primvar.Get(self.codes[frame]), dtype=float).reshape(-1)
+        return self._sound(cloud, frame, name, primvar.Get(self.codes[frame]), ())
 
     def quantities(self, cloud: int, frame: int) -> dict[str, np.ndarray]:
         """The further quantities of a cloud [SI units], by name, shape [n], [n, 3] or [n, 3, 3]."""
@@ -146,20 +170,64 @@ class Animation:
             if primvar.GetInterpolation() == UsdGeom.Tokens.vertex:
                 value = primvar.Get(self.codes[frame])
                 if value is not None:
-                    values[str(primvar.GetPrimvarName())] = np.array(value)
+                    name = str(primvar.GetPrimvarName())
+                    self._sound(cloud, frame, name, value, None)
+                    values[name] = np.array(value)
         return values
 
+    def _sound(self, cloud: int, frame: int, name: str, value: Any, shape: tuple[int, ...] | None) -> np.ndarray:
+        """The values of a quantity; `shape` is that of one particle, None any.
 
-def _cloud(item: UsdGeom.Points) -> Cloud:
+        Raises:
+            InputError: There are more or fewer than particles, or one is not finite.
+        """
+        array = _numbers(value)
+        count, time = len(self.clouds[cloud].ids), self.times[frame]
+        if array is None or len(array) != count or (shape is not None and array.shape[1:] != shape):
+            found = "none" if array is None else f"values of shape {array.shape}"
+            reason = f"has {found} at {time:.6g} s, must have {count}, one a particle"
+            raise InputError(str(self.path), f"{self.clouds[cloud].name}.{name}", reason)
+        if not (np.abs(array) <= LARGEST).all():
+            reason = f"has a value at {time:.6g} s that is not finite, or above {LARGEST:g}"
+            raise InputError(str(self.path), f"{self.clouds[cloud].name}.{name}", reason)
+        return array
+
+
+def _numbers(value: Any) -> np.ndarray | None:
+    """Values as an array of numbers; None if they are none."""
+    try:
+        return None if value is None else np.array(value, dtype=float)
+    except (TypeError, ValueError):
+        return None
+
+
+def _is_plain(value: Any) -> bool:
+    """Whether a note on the origin of a result is a text, or a number that can be shown."""
+    return isinstance(value, str | bool) or (isinstance(value, int | float) and abs(value) <= LARGEST)
+
+
+def _per_particle(path: Path, prim: Usd.Prim, name: str, value: Any, count: int | None) -> np.ndarray:
+    array = _numbers([] if value is None else value)
+    if array is None or array.ndim != 1 or not (np.abs(array) <= LARGEST).all() or len(array) != (count or len(array)):
+        wanted = "" if count is None else f", {count} of them"
+        raise InputError(str(path), f"{prim.GetName()}.{name}", f"must be finite numbers, one a particle{wanted}")
+    return array
+
+
+def _cloud(item: UsdGeom.Points, path: Path) -> Cloud:
     prim: Usd.Prim = item.GetPrim()
+    ids = _per_particle(path, prim, "ids", item.GetIdsAttr().Get(), None).astype(np.int64)
+    widths = _per_particle(path, prim, "widths", item.GetWidthsAttr().Get(), len(ids)).astype(np.float32)
+    if not (widths > 0.0).all() or len(widths) != len(ids):
+        raise InputError(str(path), f"{prim.GetName()}.widths", f"must be {len(ids)} numbers above 0, one a particle")
     colors = item.GetDisplayColorAttr().Get()
     vertex = [var for var in UsdGeom.PrimvarsAPI(item).GetPrimvars() if var.GetInterpolation() == UsdGeom.Tokens.vertex]
     return Cloud(
         name=prim.GetName(),
         role=str(prim.GetCustomDataByKey("role") or "body"),
-        ids=np.array(item.GetIdsAttr().Get(), dtype=np.int64).reshape(-1),
-        widths=np.array(item.GetWidthsAttr().Get(), dtype=np.float32).reshape(-1),
-        color=linear_to_srgb(colors[0] if colors else PLAIN),
+        ids=ids,
+        widths=widths,
+        color=linear_to_srgb(colors[0] if colors and np.isfinite(np.array(colors)).all() else PLAIN),
         scalars=tuple(
             str(var.GetPrimvarName()) for var in vertex if var.GetTypeName() == Sdf.ValueTypeNames.FloatArray
         ),

@@ -14,6 +14,7 @@ from warp_mps.errors import InputError
 from warp_mps.results.atomic_write import write_whole
 from warp_mps.results.energy import ENERGY_NAMES, Energy
 from warp_mps.results.regular_file import read_regular
+from warp_mps.results.summary_check import LARGEST
 
 TIME_LABEL = "time [s]"
 
@@ -129,7 +130,34 @@ def read_history(path: str | Path) -> History:
         raise InputError(str(path), "", f"holds something else than numbers: {error}") from error
     if any(len(row) != len(lines[0]) for row in rows):
         raise InputError(str(path), "", "has rows of different lengths")
+    _require_sound(path, lines[0], np.array(rows).reshape(len(rows), len(lines[0])))
     return History(lines[0], rows)
+
+
+def _require_sound(path: str | Path, labels: Sequence[str], values: np.ndarray) -> None:
+    """Refuse a table without energies, times that do not increase, and numbers that cannot be computed with.
+
+    Raises:
+        InputError: It is so.
+    """
+    ends = [label.rpartition(" [")[0] for label in labels[-len(ENERGY_NAMES) :]]
+    if len(labels) <= len(ENERGY_NAMES) or ends != list(ENERGY_NAMES.values()):
+        raise InputError(str(path), "", "is not a table of probes: its last columns must be the energies")
+    if len(set(labels)) < len(labels):
+        raise InputError(str(path), "", "has two columns of one name")
+    times = values[:, 0]
+    wrong = ~np.isfinite(times)
+    wrong[1:] |= ~(np.diff(times) > 0.0)
+    if wrong.any():
+        row = int(np.argmax(wrong))
+        raise InputError(
+            str(path), "", f"has the time {times[row]:g} s in row {row + 1}, must increase from row to row"
+        )
+    large = np.isfinite(values) & (np.abs(values) > LARGEST)
+    if large.any():
+        row, column = (int(number) for number in np.argwhere(large)[0])
+        reason = f"holds {values[row, column]:g} in row {row + 1}, at most {LARGEST:g} can be computed with"
+        raise InputError(str(path), labels[column], reason)
 
 
 def write_history(path: str | Path, history: History) -> None:

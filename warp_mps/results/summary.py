@@ -15,6 +15,7 @@ from warp_mps.results.formatting import duration, finite, percent
 from warp_mps.results.history import History
 from warp_mps.results.measures import evaluate
 from warp_mps.results.regular_file import read_regular
+from warp_mps.results.summary_check import wrong_item
 
 if TYPE_CHECKING:
     from warp_mps.scene import Measurement, Scene
@@ -91,16 +92,23 @@ def read_summary(path: str | Path) -> RunSummary:
     """Read run.json; unknown keys are ignored.
 
     Raises:
-        InputError: The file is missing or is not the summary of a run.
+        InputError: The file is missing or is not the summary of a run, or an item of it is of a wrong type.
     """
     try:
         data = json.loads(read_regular(path))
     except OSError as error:
         raise InputError(str(path), "", f"cannot be read: {error.strerror}") from error
-    except ValueError as error:
+    # brackets too deep for the parser
+    except (ValueError, RecursionError) as error:
         raise InputError(str(path), "", f"is not valid JSON: {error}") from error
-    if not isinstance(data, dict) or "case" not in data or data.get("status") not in STATUSES:
+    if not isinstance(data, dict) or "case" not in data or data.get("status") not in list(STATUSES):
         raise InputError(str(path), "", "is not the summary of a run: a case and a status are missing")
+    wrong = wrong_item(data)
+    if wrong is not None:
+        raise InputError(str(path), "", f"is not the summary of a run: {wrong}")
+    for name in ("fluid", "implicit", "coupling"):
+        # a statistic that is not finite is null
+        data[name] = {key: value for key, value in data.get(name, {}).items() if value is not None}
     known = {item.name for item in dataclasses.fields(RunSummary)}
     return RunSummary(**{name: value for name, value in data.items() if name in known})
 
