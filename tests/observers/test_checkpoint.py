@@ -94,7 +94,7 @@ def test_another_case_is_refused(tmp_path: Path) -> None:
 def test_another_version_is_refused(tmp_path: Path, version: int) -> None:
     save(tmp_path, 1)
     rewrite_metadata(tmp_path / cp.NAME, {"version": version})
-    with pytest.raises(InputError, match=f"format version {version}, this program reads 2"):
+    with pytest.raises(InputError, match=f"format version {version}, this program reads {cp.VERSION}"):
         cp.load_checkpoint(tmp_path, "case")
 
 

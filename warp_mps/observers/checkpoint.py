@@ -8,7 +8,7 @@ import os
 import time
 import zipfile
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import IO, Any
 
@@ -19,14 +19,17 @@ from warp_mps.errors import InputError, RunError
 from warp_mps.observers.base import Observer, View
 from warp_mps.results.atomic_write import replacing
 from warp_mps.results.regular_file import open_regular
+from warp_mps.results.summary_check import is_number
 
 # version of the format, raised whenever arrays or their meaning change: 2 since implicit solids have a coarse level and
-# water is mirrored in its walls
-VERSION = 2
+# water is mirrored in its walls, 3 since it knows the rows and frames of its run
+VERSION = 3
 NAME = "checkpoint.npz"
 PREVIOUS = "checkpoint.prev.npz"
 METADATA = "metadata"
 PREFIX = "state."
+# changed settings that a refusal names
+NAMED = 3
 
 
 @dataclass(frozen=True)
@@ -37,11 +40,13 @@ class Checkpoint:
         step: Number of steps done.
         time: Simulated time [s].
         arrays: Everything that evolves, by name.
+        records: Facts about the run, by name: its rows and frames so far, its settings, what computed it.
     """
 
     step: int
     time: float
     arrays: dict[str, np.ndarray]
+    records: dict[str, Any] = field(default_factory=dict)
 
 
 class CheckpointWriter(Observer):
@@ -54,6 +59,7 @@ class CheckpointWriter(Observer):
         fingerprint: Identity of the run, e.g. a hash of the case.
         every: Steps between two looks.
         interval: Wall seconds between two saves.
+        records: Gives facts about the run at that moment, which JSON can hold.
         results: Files that a run continues from as well; they are on the disk before the checkpoint is.
         clock: Gives the wall time [s].
     """
@@ -65,6 +71,7 @@ class CheckpointWriter(Observer):
         *,
         every: int,
         interval: float = 60.0,
+        records: Callable[[], dict[str, Any]] = dict,
         results: Sequence[Path] = (),
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
@@ -72,7 +79,7 @@ class CheckpointWriter(Observer):
         self._folder = Path(folder)
         self._fingerprint = fingerprint
         self._interval, self._clock = interval, clock
-        self._results = tuple(results)
+        self._results, self._records = tuple(results), records
         self._last_save = clock()
         self._pending: Checkpoint | None = None
 
@@ -84,7 +91,7 @@ class CheckpointWriter(Observer):
         """
         if not (np.isfinite(view.positions).all() and np.isfinite(view.velocities).all()):
             return
-        self._pending = Checkpoint(view.step, view.time, view.state_arrays())
+        self._pending = Checkpoint(view.step, view.time, view.state_arrays(), self._records())
         if self._clock() - self._last_save >= self._interval:
             self._save()
 
@@ -118,6 +125,7 @@ def save_checkpoint(folder: Path, fingerprint: str, checkpoint: Checkpoint) -> N
         "fingerprint": fingerprint,
         "step": checkpoint.step,
         "time": checkpoint.time,
+        "records": checkpoint.records,
     }
     metadata["sha256"] = _digest(metadata, checkpoint.arrays)
     newest = folder / NAME
@@ -135,13 +143,18 @@ def save_checkpoint(folder: Path, fingerprint: str, checkpoint: Checkpoint) -> N
 
 
 def load_checkpoint(
-    folder: str | Path, fingerprint: str, *, announce: Callable[[str], None] | None = None
+    folder: str | Path,
+    fingerprint: str,
+    *,
+    settings: Mapping[str, str] | None = None,
+    announce: Callable[[str], None] | None = None,
 ) -> Checkpoint:
     """Load the newest whole checkpoint of a folder.
 
     Args:
         folder: The folder.
         fingerprint: Identity that the checkpoint must have.
+        settings: What decides the identity, by name; a refusal names those that the checkpoint has otherwise.
         announce: Called with a message if the newest is damaged and the one before it is taken.
 
     Raises:
@@ -151,7 +164,7 @@ def load_checkpoint(
     if not found:
         raise InputError(str(folder), "", "holds no checkpoint to resume from")
     for path in found:
-        loaded = _read(path, fingerprint)
+        loaded = _read(path, fingerprint, settings or {})
         if loaded is not None:
             if path != found[0] and announce:
                 announce(f"{found[0]} is damaged; going on from {path.name}, at {loaded.time:.6g} s")
@@ -159,7 +172,7 @@ def load_checkpoint(
     raise InputError(str(found[0]), "", "is damaged, and so is every earlier checkpoint; start a new run")
 
 
-def _read(path: Path, fingerprint: str) -> Checkpoint | None:
+def _read(path: Path, fingerprint: str, settings: Mapping[str, str]) -> Checkpoint | None:
     """Read a checkpoint; None if it is truncated or altered."""
     try:
         with open_regular(path) as opened, np.load(opened, allow_pickle=False) as file:
@@ -174,13 +187,24 @@ def _read(path: Path, fingerprint: str) -> Checkpoint | None:
         raise InputError(str(path), "", text)
     if checksum != _digest(metadata, arrays):
         return None
-    if metadata["fingerprint"] != fingerprint:
-        raise InputError(
-            str(path),
-            "",
-            "belongs to another case, precision or version of the program, or the case has changed; start a new run",
-        )
-    return Checkpoint(metadata["step"], metadata["time"], arrays)
+    step, moment, records = (metadata.get(name) for name in ("step", "time", "records"))
+    sound = is_number(moment) and is_number(step) and isinstance(step, int) and isinstance(records, dict)
+    if not sound or step < 0 or moment < 0.0:
+        return None
+    if metadata.get("fingerprint") != fingerprint:
+        changed = _changes(records.get("settings"), settings)
+        text = "belongs to another case, precision or version of the program, or the case has changed"
+        raise InputError(str(path), "", f"{text}{changed}; start a new run")
+    return Checkpoint(step, moment, arrays, records)
+
+
+def _changes(before: object, now: Mapping[str, str]) -> str:
+    """The settings that are others now, `NAMED` of them by name."""
+    if not isinstance(before, dict):
+        return ""
+    names = [name for name in {**before, **now} if before.get(name) != now.get(name)]
+    texts = [f"{name} was {before.get(name, 'absent')}, is {now.get(name, 'absent')}" for name in names[:NAMED]]
+    return ": " * bool(names) + "; ".join(texts) + f"; and {len(names) - NAMED} more" * (len(names) > NAMED)
 
 
 def _entries(metadata: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -> dict[str, Any]:

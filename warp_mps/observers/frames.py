@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 from warp_mps.observers.base import Observer, View
 from warp_mps.observers.sampling import FIELDS
@@ -21,9 +22,10 @@ class FrameRecorder(Observer):
         every: Steps between two frames.
         provenance: Where the result comes from, e.g. the case, the versions and the time step.
         resume_after: Continues an existing file after this time [s]; later frames are dropped. None starts a new one.
+        resume_mark: What `mark` gave then.
 
     Raises:
-        InputError: The path does not end in ``.usdc``, or there is no file to continue.
+        InputError: The path does not end in ``.usdc``, or there is no file to continue, or it has other frames.
     """
 
     def __init__(
@@ -35,6 +37,7 @@ class FrameRecorder(Observer):
         every: int,
         provenance: Mapping[str, str | float | int],
         resume_after: float | None = None,
+        resume_mark: Mapping[str, Any] | None = None,
     ) -> None:
         from warp_mps.usd.animation.writer import AnimationWriter
 
@@ -54,6 +57,7 @@ class FrameRecorder(Observer):
                 provenance=provenance,
                 primvars=primvars,
                 after=resume_after,
+                mark=resume_mark,
             )
 
     def observe(self, view: View) -> None:
@@ -63,7 +67,13 @@ class FrameRecorder(Observer):
             RunError: The file cannot be written.
         """
         outputs = {name: getattr(view, FIELDS[name]) for name in self._outputs}
-        self._writer.write(view.time, view.positions, view.velocities, pressure=view.pressures, **outputs)
+        # the last frame of a run may lie off the grid, and a run that goes on from there replaces it
+        kept = view.step % self.every == 0
+        self._writer.write(view.time, view.positions, view.velocities, kept=kept, pressure=view.pressures, **outputs)
+
+    def mark(self) -> dict[str, Any]:
+        """Number and digest of the frames that a continued run keeps."""
+        return self._writer.mark()
 
     def close(self) -> None:
         """Finish the file."""

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import hashlib
 import math
 import os
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 from warp_mps.errors import InputError, RunError
 from warp_mps.observers.base import Observer, View
@@ -25,13 +28,22 @@ class ProbeRecorder(Observer):
         particles: Its particles.
         every: Steps between two rows.
         resume_after: Continues an existing file after this time [s]; later rows are dropped. None starts a new one.
+        resume_mark: What `mark` gave then.
 
     Raises:
-        InputError: A probe is in no body, or the file to continue is missing, has other columns, or ends too early.
+        InputError: A probe is in no body, or the file to continue is missing, ends too early, or has other columns or
+            rows.
     """
 
     def __init__(
-        self, path: str | Path, scene: Scene, particles: Particles, *, every: int, resume_after: float | None = None
+        self,
+        path: str | Path,
+        scene: Scene,
+        particles: Particles,
+        *,
+        every: int,
+        resume_after: float | None = None,
+        resume_mark: Mapping[str, Any] | None = None,
     ) -> None:
         self.every = every
         self._samplers = [make_sampler(probe, scene, particles) for probe in scene.probes]
@@ -39,6 +51,12 @@ class ProbeRecorder(Observer):
         self.history = History([TIME_LABEL, *labels, *energy_labels(scene.dimension)])
         if resume_after is not None:
             self.history = self._continued(Path(path), resume_after)
+        self._digest, self._kept = hashlib.sha256(), 0
+        for earlier in [self.history.labels, *map(format_row, self.history.rows)]:
+            self._keep(earlier)
+        if resume_mark is not None and self.mark() != resume_mark:
+            reason = "has other rows than those that the run wrote before its checkpoint; start a new run"
+            raise InputError(str(path), "", reason)
         self._path = Path(path)
         self._path.parent.mkdir(parents=True, exist_ok=True)
         write_history(path, self.history)
@@ -57,6 +75,17 @@ class ProbeRecorder(Observer):
         row.extend(getattr(view.energy, name) for name in ENERGY_NAMES)
         self.history.append(row)
         self._write(row)
+        # the last row of a run may lie off the grid, and a run that goes on from there replaces it
+        if view.step % self.every == 0:
+            self._keep(format_row(row))
+
+    def mark(self) -> dict[str, Any]:
+        """Number and digest of the rows that a continued run keeps, the labels included."""
+        return {"count": self._kept, "sha256": self._digest.hexdigest()}
+
+    def _keep(self, cells: Sequence[str]) -> None:
+        self._digest.update(f"{','.join(cells)}\n".encode())
+        self._kept += 1
 
     def _write(self, row: list[float]) -> None:
         try:

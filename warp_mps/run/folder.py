@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from warp_mps.errors import InputError
@@ -32,13 +32,20 @@ def require_folder(folder: str | Path) -> Path:
 
 
 def claim_folder(
-    folder: Path, fingerprint: str, *, overwrite: bool, resume: bool, announce: Callable[[str], None]
+    folder: Path,
+    fingerprint: str,
+    *,
+    settings: Mapping[str, str],
+    overwrite: bool,
+    resume: bool,
+    announce: Callable[[str], None],
 ) -> Checkpoint | None:
     """Make sure that the folder can be written and that no results in it are lost.
 
     Args:
         folder: The folder.
         fingerprint: Hash of the case, which a checkpoint must have been made with.
+        settings: What the hash is of, by name.
         overwrite: Whether results in the folder are to be replaced.
         resume: Whether the run continues from the folder's checkpoint.
         announce: Called with a message if a damaged checkpoint is passed over.
@@ -56,7 +63,7 @@ def claim_folder(
     # the folder is locked, so that they belong to no run that is at work
     remove_left_behind(folder, *RESULTS)
     if resume:
-        return load_checkpoint(folder, fingerprint, announce=announce)
+        return load_checkpoint(folder, fingerprint, settings=settings, announce=announce)
     found = [name for name in RESULTS if os.path.lexists(folder / name)]
     if found and not overwrite:
         raise InputError(

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import contextlib
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -24,9 +25,11 @@ from warp_mps.observers.progress import Progress
 from warp_mps.results.settings import scene_settings
 from warp_mps.results.summary import RunStatus, RunSummary, energy_record, measurement_rows
 from warp_mps.run.folder import ANIMATION, PROBES, SUMMARY, remove_results
-from warp_mps.run.provenance import fingerprint, provenance, versions
+from warp_mps.run.provenance import fingerprint, identity, provenance, versions
 from warp_mps.run.schedule import Trigger
 from warp_mps.run.simulation import Simulation
+
+EMPTY: Mapping[str, Any] = MappingProxyType({})
 
 
 class Recording:
@@ -41,6 +44,7 @@ class Recording:
         progress: Shows how far the run is.
         resumed: Whether results in the folder are continued.
         interval: Wall time between two checkpoints [s].
+        records: Records of the checkpoint from which results are continued.
         observers: Observers of the user, called after those that record.
 
     Raises:
@@ -58,6 +62,7 @@ class Recording:
         *,
         resumed: bool,
         interval: float,
+        records: Mapping[str, Any] = EMPTY,
         observers: Sequence[Observer] = (),
     ) -> None:
         scene, particles, clock = simulation.scene, simulation.particles, simulation.clock
@@ -78,28 +83,38 @@ class Recording:
             particles,
             every=clock.sample_every,
             resume_after=last_kept(clock.sample_every),
+            resume_mark=records.get("rows"),
         )
         if not resumed:
             remove_results(folder)
         self._momentum = MomentumMonitor(every=clock.frame_every)
+        self._frames = FrameRecorder(
+            folder / ANIMATION,
+            scene,
+            particles,
+            every=clock.frame_every,
+            provenance=provenance(simulation),
+            resume_after=last_kept(clock.frame_every),
+            resume_mark=records.get("frames"),
+        )
+        # what a run that continues this one compares
+        self._origin = {
+            "versions": versions(),
+            "device": simulation.device,
+            "settings": identity(scene, simulation.precision),
+        }
         self.observers = [
             # first, so that no invalid state is recorded
             _make_guard(simulation),
             self._momentum,
             self._probes,
-            FrameRecorder(
-                folder / ANIMATION,
-                scene,
-                particles,
-                every=clock.frame_every,
-                provenance=provenance(simulation),
-                resume_after=last_kept(clock.frame_every),
-            ),
+            self._frames,
             CheckpointWriter(
                 folder,
                 fingerprint(scene, simulation.precision),
                 every=clock.frame_every,
                 interval=interval,
+                records=self._records,
                 results=(folder / PROBES, folder / ANIMATION),
             ),
             # after all that record, so that a moment at which one of them fails is kept
@@ -141,6 +156,10 @@ class Recording:
             self._give_up(str(error) if isinstance(error, RunError) else repr(error), begin)
             raise
         return self._summary
+
+    def _records(self) -> dict[str, Any]:
+        """Facts about the run at this moment, for a checkpoint."""
+        return {**self._origin, "rows": self._probes.mark(), "frames": self._frames.mark()}
 
     def _give_up(self, reason: str, begin: float) -> None:
         """Say why in run.json, if that can still be written: the first error counts."""

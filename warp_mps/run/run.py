@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 from warp_mps.core.interrupts import first_interrupt_only, raise_when_killed
 from warp_mps.core.streams import reserve_descriptors, say
@@ -15,9 +16,10 @@ from warp_mps.observers.progress import Progress
 from warp_mps.results.summary import RunSummary
 from warp_mps.run.folder import claim_folder, require_folder
 from warp_mps.run.locks import lock_folder
-from warp_mps.run.provenance import fingerprint
+from warp_mps.run.provenance import differences, fingerprint, identity, versions
 from warp_mps.run.recording import Recording
 from warp_mps.run.remarks import remarks_on_case
+from warp_mps.run.restart import restart
 from warp_mps.run.simulation import Simulation, require_scene
 from warp_mps.scene import Scene
 from warp_mps.scene.choices import PrecisionName
@@ -68,7 +70,7 @@ def run_scene(
         raise InputError("", "checkpoint_interval", f"is {checkpoint_interval:g}, must be 0 or more seconds")
     given = guests(observers)
     with lock_folder(folder):
-        options = {"overwrite": overwrite, "resume": resume}
+        options: dict[str, Any] = {"overwrite": overwrite, "resume": resume, "settings": identity(scene, precision)}
         checkpoint = claim_folder(folder, fingerprint(scene, precision), announce=say, **options)
         progress = Progress(every=1, quiet=quiet)
         announce = None if quiet else say
@@ -80,16 +82,16 @@ def run_scene(
         for line in [] if quiet else found:
             say(line)
         if checkpoint is not None:
-            simulation.restore(checkpoint.arrays)
-            if simulation.step > simulation.total_steps:
-                reason = f"its checkpoint is at {checkpoint.time:.6g} s, past the end of {scene.duration:.6g} s"
-                raise InputError(str(folder), "", f"cannot be resumed: {reason}")
+            restart(simulation, checkpoint, folder)
+            for line in differences(checkpoint.records, versions(), simulation.device):
+                say(line)
         try:
             recording = Recording(
                 simulation,
                 folder,
                 progress,
                 resumed=checkpoint is not None,
+                records=checkpoint.records if checkpoint else {},
                 interval=checkpoint_interval,
                 observers=given,
             )

@@ -88,8 +88,8 @@ class PointsFile:
 
         The outputs are of elastic bodies: walls and fluids have no stress of their own.
         """
-        for index, (first, last) in enumerate(self._ranges):
-            own = {name: value[first:last] for name, value in values.items() if self._has(index, name)}
+        for index in range(len(self._ranges)):
+            own = self._own(index, values)
             self._write_body(index, code, own)
             self._content += sum(value.nbytes for value in own.values())
         if not self._stage.HasAuthoredTimeCodeRange():
@@ -131,6 +131,17 @@ class PointsFile:
         temporary.unlink(missing_ok=True)
         self._content = self.path.stat().st_size
 
+    def parts(self, values: Mapping[str, np.ndarray]) -> list[tuple[str, dict[str, np.ndarray]]]:
+        """The name of each body and what it has of the quantities, by the names of its attributes."""
+        return [
+            (points.GetPrim().GetName(), {_attribute(name): value for name, value in self._own(index, values).items()})
+            for index, points in enumerate(self._points)
+        ]
+
+    def _own(self, index: int, values: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+        first, last = self._ranges[index]
+        return {name: value[first:last] for name, value in values.items() if self._has(index, name)}
+
     def _has(self, index: int, name: str) -> bool:
         """Whether a body, wall or fluid has a quantity."""
         return index < self._elastic or name not in OUTPUTS
@@ -146,6 +157,11 @@ class PointsFile:
         for name, value in values.items():
             if name not in ("points", "velocities"):
                 _set_primvar(points, name, value, code)
+
+
+def _attribute(name: str) -> str:
+    """Name of the attribute of a quantity."""
+    return name if name in ("points", "velocities") else f"primvars:{name}"
 
 
 def _first_error(error: Exception) -> str:

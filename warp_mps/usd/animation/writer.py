@@ -6,14 +6,17 @@ import os
 import shutil
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from pxr import Sdf
 
 from warp_mps.errors import InputError
 from warp_mps.particles.particles import Particles
-from warp_mps.usd.animation.points_file import PointsFile, open_until
+from warp_mps.usd.animation.frame_digest import FrameDigest, digest_of
+from warp_mps.usd.animation.points_file import ROOT, PointsFile, open_until
+from warp_mps.usd.case.isolated_open import open_isolated
+from warp_mps.usd.case.open_stage import quiet
 
 if TYPE_CHECKING:
     from warp_mps.scene import StageFrame
@@ -87,15 +90,26 @@ class AnimationWriter:
         provenance: Mapping[str, str | float | int],
         primvars: Sequence[str] = (),
         after: float,
+        mark: Mapping[str, Any] | None = None,
     ) -> AnimationWriter:
         """Continue the file of an earlier run, without its samples later than `after` [s].
 
+        If `mark` is given, it is what the method of that name gave at that time.
+
         Raises:
-            InputError: There is no such file, or it holds other particles.
+            InputError: There is no such file, or it holds other particles or frames.
         """
         writer = cls.__new__(cls)
         writer._setup(path, frame, frame_rate, primvars)
-        layer = open_until(writer._path, particles, writer._code(after))
+        if os.path.isfile(path):
+            open_isolated(path, allow_external=False)
+        with quiet(writer._path):
+            layer = open_until(writer._path, particles, writer._code(after))
+            prims = [layer.GetPrimAtPath(f"{ROOT}/{name}") for name in particles.names]
+            writer._digest = digest_of(prims, layer, layer.ListAllTimeSamples())
+        if mark is not None and writer.mark() != mark:
+            reason = "has other frames than those that the run wrote before its checkpoint; start a new run"
+            raise InputError(str(path), "", reason)
         for name in writer._names:
             layer.Export(str(name))
         writer._copies = [PointsFile(name, particles, frame) for name in writer._names]
@@ -111,16 +125,24 @@ class AnimationWriter:
             raise InputError(str(path), "", "an animation is written as .usdc; give a name that ends so")
         self._frame, self._rate, self._primvars = frame, frame_rate, tuple(primvars)
         self._names = [self._path.with_name(f".{self._path.stem}.{letter}.usdc") for letter in "ab"]
+        self._digest = FrameDigest()
         self._path.parent.mkdir(parents=True, exist_ok=True)
         self._remove_copies()
 
-    def write(self, time: float, positions: np.ndarray, velocities: np.ndarray, **primvars: np.ndarray) -> None:
+    def mark(self) -> dict[str, Any]:
+        """Number and digest of the frames that a continued run keeps."""
+        return self._digest.mark()
+
+    def write(
+        self, time: float, positions: np.ndarray, velocities: np.ndarray, *, kept: bool = True, **primvars: np.ndarray
+    ) -> None:
         """Add a frame and save it.
 
         Args:
             time: Simulated time [s].
             positions: Positions [m], shape [n, dimension].
             velocities: Velocities [m/s], shape [n, dimension].
+            kept: Whether a continued run keeps the frame.
             primvars: The quantities named at construction, shape [n], [n, 1], [n, dimension] or [n, 3, 3].
 
         Raises:
@@ -132,6 +154,8 @@ class AnimationWriter:
         values = {name: self._primvar(value) for name, value in primvars.items()}
         values["points"] = to_stage_axes(positions / unit, self._frame)
         values["velocities"] = to_stage_axes(velocities / unit, self._frame)
+        if kept:
+            self._digest.add(self._code(time), self._copies[0].parts(values))
         for copy in self._copies:
             copy.write(self._code(time), values)
             copy.save()

@@ -1,0 +1,166 @@
+"""What a run is continued from: its own rows and frames, arrays that fit, the same settings and versions."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from pxr import Sdf
+
+from tests.scenes import beam, ends
+from warp_mps.errors import InputError
+from warp_mps.observers import checkpoint as cp
+from warp_mps.run import run as run_module
+from warp_mps.run.provenance import fingerprint, identity, versions
+from warp_mps.run.restart import misfit
+from warp_mps.run.run import run_scene
+from warp_mps.scene import Elasticity, Probe, Scene, Support
+from warp_mps.shapes import Points
+
+CLAMP = Support(name="clamp", region=ends(0.006)[0])
+SCENE = beam(
+    4,
+    supports=(CLAMP,),
+    probes=(Probe(name="tip", point=(0.15, 0.0)),),
+    gravity=(0.0, -9.81),
+    duration=0.004,
+    frame_rate=1000.0,
+    sample_rate=2000.0,
+    elasticity=Elasticity(),
+)
+LONGER = replace(SCENE, duration=0.005)
+
+
+@pytest.fixture(scope="module")
+def ended(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The results of the scene."""
+    folder = tmp_path_factory.mktemp("ended")
+    run_scene(SCENE, folder, quiet=True)
+    return folder
+
+
+@pytest.fixture
+def folder(ended: Path, tmp_path: Path) -> Path:
+    """A copy of these results."""
+    return Path(shutil.copytree(ended, tmp_path / "out"))
+
+
+def contents(folder: Path) -> dict[str, bytes]:
+    """The bytes of every file."""
+    return {path.name: path.read_bytes() for path in folder.iterdir()}
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda rows: rows[:2] + rows[3:],
+        lambda rows: [*rows[:3], rows[2].replace(rows[2].split(",")[0], "0.00051", 1), *rows[3:]],
+        lambda rows: [*rows[:3], rows[3].replace(rows[3].split(",")[1], "0.1", 1), *rows[4:]],
+    ],
+)
+def test_rows_of_another_run_before_the_last_are_refused(folder: Path, change: Callable) -> None:
+    rows = (folder / "probes.csv").read_text().splitlines(keepends=True)
+    (folder / "probes.csv").write_text("".join(change(rows)))
+    before = contents(folder)
+    with pytest.raises(InputError, match=r"probes\.csv: has other rows than those that the run wrote before its check"):
+        run_scene(LONGER, folder, quiet=True, resume=True)
+    assert contents(folder) == before
+
+
+@pytest.mark.parametrize("change", ["removed", "altered", "added"])
+def test_frames_of_another_run_before_the_last_are_refused(folder: Path, change: str) -> None:
+    layer = Sdf.Layer.OpenAsAnonymous(str(folder / "run.usdc"))
+    path = "/Result/beam.points"
+    codes = layer.ListTimeSamplesForPath(path)
+    if change == "removed":
+        for attribute in layer.GetPrimAtPath("/Result/beam").attributes:
+            layer.EraseTimeSample(attribute.path, codes[1])
+    else:
+        code = codes[1] if change == "altered" else 0.5 * codes[1]
+        layer.SetTimeSample(path, code, layer.QueryTimeSample(path, codes[2]))
+    layer.Export(str(folder / "run.usdc"))
+    before = contents(folder)
+    with pytest.raises(InputError, match=r"run\.usdc: has other frames than those that the run wrote before its check"):
+        run_scene(LONGER, folder, quiet=True, resume=True)
+    assert contents(folder) == before
+
+
+def forge(folder: Path, **changes: np.ndarray | None) -> None:
+    """Save the checkpoint with other arrays, None for none, and with a digest that is right."""
+    found = cp.load_checkpoint(folder, fingerprint(SCENE, "float64"))
+    arrays = {name: array for name, array in {**found.arrays, **changes}.items() if array is not None}
+    cp.save_checkpoint(folder, fingerprint(SCENE, "float64"), replace(found, arrays=arrays))
+
+
+@pytest.mark.parametrize(
+    ("change", "reason"),
+    [
+        (lambda u: u[:-1], r"u is float64 of shape \(127, 2\), must be float64 of shape \(128, 2\)"),
+        (lambda u: u.astype(complex), r"u is complex128 of shape \(128, 2\), must be float64"),
+        (lambda u: u.astype(np.float32), "u is float32"),
+        (lambda u: u * np.nan, "u is not finite"),
+        (lambda _: None, "u is missing"),
+    ],
+)
+def test_arrays_that_do_not_fit_are_refused(folder: Path, change: Callable, reason: str) -> None:
+    arrays = cp.load_checkpoint(folder, fingerprint(SCENE, "float64")).arrays
+    forge(folder, u=change(arrays["u"]))
+    before = contents(folder)
+    with pytest.raises(InputError, match=rf"checkpoint\.npz: does not fit this case: {reason}.*; start a new run"):
+        run_scene(LONGER, folder, quiet=True, resume=True)
+    assert contents(folder) == before
+
+
+def test_what_fits() -> None:
+    fresh = {"u": np.zeros((3, 2)), "learnt": np.zeros((0, 2)), "interval": np.array(np.inf), "n": np.zeros(2, int)}
+    later = {"u": np.ones((3, 2)), "learnt": np.ones((5, 2)), "interval": np.array(0.1), "n": np.ones(2, int)}
+    assert misfit(fresh, fresh) == ""
+    assert misfit(fresh, {**later, "others": np.zeros(4)}) == ""
+    assert misfit(fresh, {**later, "learnt": np.ones((5, 3))}).startswith("learnt is float64 of shape (5, 3)")
+    assert misfit(fresh, {**later, "interval": np.array(np.nan)}) == "interval is not finite"
+    assert misfit(fresh, {**later, "u": np.full((3, 2), np.inf)}) == "u is not finite"
+
+
+def test_a_refusal_says_what_has_changed(folder: Path) -> None:
+    scene = replace(LONGER, gravity=(0.0, -1.0), supports=())
+    gravity = r"supports was clamp, is \(\); supports\.clamp\.kind was Support, is absent"
+    with pytest.raises(InputError, match=rf"or the case has changed: .*{gravity}.* and \d more; start a new run"):
+        run_scene(scene, folder, quiet=True, resume=True)
+    softer = replace(LONGER, gravity=(0.0, -1.0))
+    with pytest.raises(InputError, match=r"changed: gravity was \(0\.0, -9\.81\), is \(0\.0, -1\.0\); start a new run"):
+        run_scene(softer, folder, quiet=True, resume=True)
+    with pytest.raises(InputError, match="changed: precision was float64, is float32; start"):
+        run_scene(LONGER, folder, quiet=True, resume=True, precision="float32")
+
+
+def test_the_identity_of_a_case_knows_every_number() -> None:
+    cloud = np.stack(np.meshgrid(np.arange(40.0), np.arange(40.0), indexing="ij"), axis=2).reshape(-1, 2) * 0.01
+    body = replace(SCENE.bodies[0], shape=Points(cloud), spacing=0.01)
+    moved = cloud.copy()
+    moved[777] += 1e-12
+
+    def case(points: np.ndarray) -> Scene:
+        return replace(SCENE, bodies=(replace(body, shape=Points(points)),), supports=(), probes=())
+
+    assert fingerprint(case(cloud), "float64") == fingerprint(case(cloud.copy()), "float64")
+    assert fingerprint(case(cloud), "float64") != fingerprint(case(moved), "float64")
+    assert fingerprint(SCENE, "float64") == fingerprint(LONGER, "float64")
+    assert max(map(len, identity(case(cloud), "float64").values())) < 100
+
+
+def test_another_version_is_said(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    run_scene(LONGER, folder, quiet=True, resume=True)
+    assert capsys.readouterr().err == ""
+    monkeypatch.setattr(run_module, "versions", lambda: {**versions(), "warp_mps": "9.9"})
+    run_scene(replace(LONGER, duration=0.006), folder, quiet=True, resume=True)
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith(
+        "warp-mps: the checkpoint was computed otherwise, and the run goes on with other bits: warp_mps"
+    )
+    assert line.endswith("then, 9.9 now")
