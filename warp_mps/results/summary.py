@@ -15,7 +15,7 @@ from warp_mps.results.formatting import duration, finite, percent
 from warp_mps.results.history import History
 from warp_mps.results.measures import evaluate
 from warp_mps.results.regular_file import read_regular
-from warp_mps.results.summary_check import wrong_item
+from warp_mps.results.summary_check import ABSENT, wrong_item
 
 if TYPE_CHECKING:
     from warp_mps.scene import Measurement, Scene
@@ -109,6 +109,7 @@ def read_summary(path: str | Path) -> RunSummary:
     for name in ("fluid", "implicit", "coupling"):
         # a statistic that is not finite is null
         data[name] = {key: value for key, value in data.get(name, {}).items() if value is not None}
+    data["measurements"] = [{**ABSENT, **row} for row in data.get("measurements", [])]
     known = {item.name for item in dataclasses.fields(RunSummary)}
     return RunSummary(**{name: value for name, value in data.items() if name in known})
 

@@ -97,8 +97,9 @@ CHECKS: dict[str, tuple[Check, str]] = {
     "coupling": (_named(_optional(is_number)), NUMBERS),
     "measurements": (_rows, "a list of measurements"),
 }
-# what a measurement must have
-NEEDED = ("name", "value", "unit", "reference", "error", "source")
+# what a measurement must have, and what stands for the rest
+NEEDED = ("name",)
+ABSENT: dict[str, Any] = {"value": None, "unit": "", "reference": None, "error": None, "source": ""}
 ROW_CHECKS: dict[str, tuple[Check, str]] = {
     **dict.fromkeys(("name", "unit", "source"), (_text, "a text")),
     **dict.fromkeys(("value", "reference", "error", "at"), (_optional(is_number), "a number or null")),
