@@ -94,13 +94,15 @@ class Animation:
 
     Args:
         folder: Folder of the run.
+        finite: Whether numbers that are not finite, or too large to compute with, are refused.
 
     Raises:
-        InputError: There is no run in the folder, or its animation cannot be read or has no frames.
+        InputError: There is no run in the folder, or its animation cannot be read or has no frames. The methods that
+            give values raise it where these are not one a particle.
     """
 
-    def __init__(self, folder: Path) -> None:
-        self.path = find_animation(folder)
+    def __init__(self, folder: Path, *, finite: bool = False) -> None:
+        self.path, self._finite = find_animation(folder), finite
         self._stage = open_stage(self.path)
         points = [UsdGeom.Points(prim) for prim in self._stage.Traverse() if prim.IsA(UsdGeom.Points)]
         self.codes = sorted({code for item in points for code in item.GetPointsAttr().GetTimeSamples()})
@@ -179,7 +181,7 @@ class Animation:
         """The values of a quantity; `shape` is that of one particle, None any.
 
         Raises:
-            InputError: There are more or fewer than particles, or one is not finite.
+            InputError: There are more or fewer than particles, or one is not finite though it must be.
         """
         array = _numbers(value)
         count, time = len(self.clouds[cloud].ids), self.times[frame]
@@ -187,7 +189,7 @@ class Animation:
             found = "none" if array is None else f"values of shape {array.shape}"
             reason = f"has {found} at {time:.6g} s, must have {count}, one a particle"
             raise InputError(str(self.path), f"{self.clouds[cloud].name}.{name}", reason)
-        if not (np.abs(array) <= LARGEST).all():
+        if self._finite and not (np.abs(array) <= LARGEST).all():
             reason = f"has a value at {time:.6g} s that is not finite, or above {LARGEST:g}"
             raise InputError(str(self.path), f"{self.clouds[cloud].name}.{name}", reason)
         return array

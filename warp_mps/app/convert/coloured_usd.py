@@ -32,7 +32,7 @@ def convert_to_usd(
     Raises:
         InputError: There is no run in the folder, it has no such quantity, or the file cannot be written.
     """
-    animation = Animation(folder)
+    animation = Animation(folder, finite=True)
     colouring = choose_colouring(animation, colour, limits)
     if colouring.name == "body":
         raise InputError("--colour", "", f"is body, which is what {animation.path.name} has; give a quantity, or speed")

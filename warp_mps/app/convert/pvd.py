@@ -24,7 +24,7 @@ def convert_to_pvd(folder: Path, *, overwrite: bool = False) -> int:
     Raises:
         InputError: There is no run in the folder, or the files exist, or they cannot be written.
     """
-    animation = Animation(folder)
+    animation = Animation(folder, finite=True)
     target = folder / "pvd"
     refuse_existing(target / "run.pvd", overwrite)
     refuse_link(target)

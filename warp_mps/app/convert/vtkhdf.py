@@ -32,7 +32,7 @@ def convert_to_vtkhdf(folder: Path, *, overwrite: bool = False) -> int:
     """
     if find_spec("h5py") is None:
         raise InputError("--to", "", "vtkhdf needs h5py: pip install warp_mps[vtkhdf], or choose pvd")
-    animation = Animation(folder)
+    animation = Animation(folder, finite=True)
     refuse_link(folder / "vtkhdf")
     paths = [folder / "vtkhdf" / f"{cloud.name}.vtkhdf" for cloud in animation.clouds]
     for path in paths:

@@ -213,7 +213,7 @@ def draw_picture(
 
     path = out or folder / "picture.png"
     figures.require_format(path, FORMATS)
-    animation = Animation(folder)
+    animation = Animation(folder, finite=True)
     refuse_existing(path, overwrite)
     frame = len(animation) - 1 if time is None else find_frame(animation, time)
     picture = Image.fromarray(Painter(animation, options).draw(frame))

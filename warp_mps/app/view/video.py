@@ -57,7 +57,7 @@ def make_video(
         raise InputError(str(path), "", "needs imageio-ffmpeg: pip install warp_mps[video], or choose .webp or .gif")
     if seconds is not None and not (math.isfinite(seconds) and seconds > 0.0):
         raise InputError("--seconds", "", f"is {seconds:g}, must be above 0")
-    animation = Animation(folder)
+    animation = Animation(folder, finite=True)
     refuse_existing(path, overwrite)
     painter = Painter(animation, _even(options))
     frames, rate = pace(len(animation), animation.playback_rate, seconds, *LIMITS[path.suffix.lower()[1:]])
