@@ -331,6 +331,7 @@ BROKEN: list[tuple[str, str, str, Fields]] = [
     ("/World/mode", "at", "must be finite", lambda: measurement(measure="time_at", at=NAN)),
     ("/World/mode", "at", "must lie between 0.2 and 1 s", lambda: measurement(measure="value_at", at=0.1, start=0.2)),
     ("/World/mode", "at", "is only for the measures value_at and time_at", lambda: measurement(at=0.1)),
+    ("/World/mode", "frequency", "is only for the harmonic measures", lambda: measurement(frequency=2.0)),
     ("/World/mode", "unit", "must be one of: , s", lambda: measurement(measure="time_at", at=0.1, unit="m")),
     ("/World/tip", "moves_with", "in a scene of fluids", lambda: {**wall(), **probe(moves_with="floor", **POINT)}),
     ("/World/mode", "frequency", "above 0", lambda: measurement(measure="harmonic_phase")),

@@ -93,7 +93,9 @@ def check_measurement(scene: Scene, measurement: Measurement) -> None:
         good = measurement.start <= (measurement.at or 0.0) <= end
         reason = f"is {measurement.at:g} s, must lie between {measurement.start:g} and {end:g} s"
         require(good, where, "at", reason)
-    if measurement.measure.startswith("harmonic"):
+    harmonic = measurement.measure.startswith("harmonic")
+    require(harmonic or measurement.frequency == 0.0, where, "frequency", "is only for the harmonic measures")
+    if harmonic:
         positive(measurement.frequency, where, "frequency")
 
 

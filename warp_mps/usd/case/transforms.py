@@ -39,8 +39,9 @@ def _check_transform(prim: Usd.Prim) -> None:
         # USD asks for its default only
         if attribute.GetNumTimeSamples() or not isinstance(order, Vt.TokenArray | None):
             raise InputError(path, ORDER, "must be a token[] without time samples")
-        for name in order or ():
-            _check_operation(prim, name.removeprefix(INVERSE))
+        # an order may name an operation many times
+        for name in sorted({name.removeprefix(INVERSE) for name in order or ()}):
+            _check_operation(prim, name)
         matrix = np.array(transform.GetLocalTransformation(ANY_TIME))
     except Tf.ErrorException as error:
         raise InputError(path, ORDER, f"cannot be read: {reason_of(error)}") from None
