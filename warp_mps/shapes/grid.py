@@ -10,6 +10,7 @@ import numpy as np
 
 from warp_mps.errors import InputError
 from warp_mps.shapes import closed_surface, lattice
+from warp_mps.shapes.face_planes import broken_line
 from warp_mps.shapes.lattice import FIT_TOLERANCE, Line, anchored, is_multiple
 from warp_mps.shapes.mesh import Mesh
 from warp_mps.shapes.primitives import Box
@@ -97,7 +98,23 @@ def grid_of(
             raise InputError(where, "shape", leaf.fault)
     source = shape.leaves()[0]
     grid = _own_grid(source, spacing, dimension, node_axes, where, fit)
-    return grid if source is shape else _continued(grid, shape, dimension, where)
+    if source is not shape:
+        grid = _continued(grid, shape, dimension, where)
+    if fit and fit.keeps == "face" and not grid.fits:
+        return _between_faces(grid, shape, spacing, fit)
+    return grid
+
+
+def _between_faces(grid: Grid, shape: Shape, spacing: float, fit: Fit) -> Grid:
+    """The lattice of a wall that is no box, broken at the plane faces that cut it into unfitting lengths."""
+    met: list[list[bool]] = np.asarray(fit.ends(grid.axes, grid.intervals), bool).tolist()
+    lines = []
+    for line, axis, (low, high), on, ends in zip(
+        grid.lines, grid.axes.T, grid.intervals.tolist(), grid.nodes, met, strict=True
+    ):
+        broken = None if on else broken_line(shape, axis, low, high, spacing, (ends[0], ends[1]))
+        lines.append(broken or line)
+    return replace(grid, lines=tuple(lines))
 
 
 def _own_grid(
