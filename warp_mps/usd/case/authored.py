@@ -23,6 +23,8 @@ def is_given(prim: Usd.Prim, name: str) -> bool:
     Raises:
         InputError: It gives a relationship of that name.
     """
+    if not prim.HasProperty(name):
+        return False
     check_kind(prim, name, Sdf.AttributeSpec)
     attribute = prim.GetAttribute(name)
     return bool(attribute) and (attribute.HasAuthoredValue() or attribute.HasAuthoredConnections())
