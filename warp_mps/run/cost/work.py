@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from warp_mps.core.weights import lattice_neighbours
 from warp_mps.coupling.integrator_choice import stable_step
+from warp_mps.elastic.materials.constants import mean_lame
 from warp_mps.particles.particles import Particles
 from warp_mps.run.cost.memory import contact_of
 from warp_mps.run.cost.time_step import TimeStep
@@ -23,6 +24,8 @@ LAUNCHES_OF_FLUID, LAUNCHES_OF_ITERATION = 2e-3, 35e-6
 SECONDS_PER_PAIR = {"springs": {2: 12e-9, 3: 28e-9}, "hamiltonian": {2: 12.5e-9, 3: 19e-9}}
 # factor of that with a retardation time (2-D, 3-D)
 VISCOUS = {2: 2.6, 3: 3.7}
+# factor of that with a mean dilatation, of materials above nu = 0.4 (2-D, 3-D)
+DILATATION = {2: 1.75, 3: 1.6}
 # launches of contact in a step [s]; additional time per particle-step, walls included, of contact and of friction [s]
 LAUNCHES_OF_CONTACT = 15e-6
 SECONDS_OF_CONTACT = {2: 25e-9, 3: 30e-9}
@@ -32,8 +35,9 @@ SECONDS_OF_FLUID = {2: 2.9e-6, 3: 7e-6}
 SECONDS_OF_WALL = {2: 0.5e-6, 3: 1e-6}
 # factor of the schemes with more neighbour sums in a step
 SCHEMES = {"conservative": 1.0, "corrected": 1.5, "koshizuka_oka": 1.0}
-# observers at a row and at a frame [s], and for each particle [s]; of a fluid, whose surface they search; a probe [s]
-ROW, ROW_PER_PARTICLE, ROW_PER_FLUID, ROW_PER_PROBE = 0.8e-3, 0.25e-6, 1.2e-6, 0.05e-3
+# observers at a row and at a frame [s], and for each particle [s]; of a fluid, whose surface they search; a probe [s];
+# polar decompositions where rotations are probed, for each elastic particle [s]
+ROW, ROW_PER_PARTICLE, ROW_PER_FLUID, ROW_PER_PROBE, ROW_PER_ROTATION = 0.8e-3, 0.25e-6, 1.2e-6, 0.05e-3, 2.5e-6
 FRAME, FRAME_PER_PARTICLE = 3.5e-3, 0.5e-6
 
 # Newton iterations of a load step and of a time step; cost of an iteration of the linear solver in units of an explicit
@@ -84,8 +88,10 @@ def _explicit_step(scene: Scene, particles: Particles) -> float:
 
 def _per_particle(scene: Scene) -> float:
     """CPU time of an elastic particle in an explicit step [s]."""
-    neighbours = lattice_neighbours(scene.dimension, scene.elasticity.effective_radius)
-    return neighbours * SECONDS_PER_PAIR[scene.elasticity.model][scene.dimension]
+    d, model = scene.dimension, scene.elasticity.model
+    averages = model == "hamiltonian" and any(mean_lame(material, d, scene.plane) for material in scene.materials)
+    neighbours = lattice_neighbours(d, scene.elasticity.effective_radius)
+    return neighbours * SECONDS_PER_PAIR[model][d] * (DILATATION[d] if averages else 1.0)
 
 
 def _linear_iteration(scene: Scene, particles: Particles) -> float:
@@ -109,4 +115,6 @@ def _observers(scene: Scene, particles: Particles, clock: Clock) -> float:
     rows, frames = clock.steps / clock.sample_every, clock.steps / clock.frame_every
     row = ROW + len(scene.probes) * ROW_PER_PROBE
     row += particles.count * ROW_PER_PARTICLE + particles.liquid * ROW_PER_FLUID
+    if any(probe.quantity == "rotation" for probe in scene.probes):
+        row += particles.elastic * ROW_PER_ROTATION
     return rows * row + frames * (FRAME + particles.count * FRAME_PER_PARTICLE)
