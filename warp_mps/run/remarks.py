@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from warp_mps.elastic.hamiltonian.thin_bodies import remarks_on_thin_bodies
 from warp_mps.particles.misfits import remarks_on_misfits
+from warp_mps.particles.open_corners import remarks_on_open_corners
 from warp_mps.particles.particles import Particles
 from warp_mps.particles.unheld_fluid import remarks_on_unheld_fluid
 from warp_mps.run.inventory.doubts import remarks_on_flotation, remarks_on_rows
@@ -21,6 +22,7 @@ def remarks_on_case(scene: Scene, particles: Particles) -> list[str]:
         *particles.remarks(),
         *remarks_on_misfits(scene),
         *remarks_on_unheld_fluid(scene, particles),
+        *remarks_on_open_corners(scene),
         *remarks_on_thin_bodies(scene, particles),
         *remarks_on_flotation(scene, particles),
         *remarks_on_rows(scene, particles),
