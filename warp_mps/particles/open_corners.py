@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from warp_mps.scene import Scene, Wall
+from warp_mps.scene import Body, Scene, Wall
 from warp_mps.scene.validation.rules import place
 from warp_mps.shapes import Box, contains
 
@@ -44,7 +44,8 @@ def _open(scene: Scene, walls: list[Wall], spans: np.ndarray, ends: np.ndarray, 
     points = np.repeat(at[None], 2, axis=0)
     points[:, across] += BESIDE * scene.fluids[0].spacing * side * np.array([(1.0, -1.0), (-1.0, 1.0)])
     filled = np.zeros(2, bool)
-    for item in (*scene.walls, *scene.bodies):
+    solids: list[Wall | Body] = [*scene.walls, *scene.bodies]
+    for item in solids:
         filled |= contains(item.shape, points, MEETS * item.spacing)
     if filled.any():
         return []
