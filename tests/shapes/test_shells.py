@@ -60,6 +60,14 @@ def test_triangles_that_are_turned_at_random_enclose_the_same() -> None:
     np.testing.assert_array_equal(fill(Mesh(points, mixed), 0.05, 3), fill(Mesh(points, triangles), 0.05, 3))
 
 
+def test_a_shell_with_a_triangle_turned_wrongly_goes_as_most_of_its_triangles() -> None:
+    """The first triangle of the inner cube, of 12, is turned."""
+    points, triangles = part(size=0.4)
+    triangles = np.concatenate([triangles[:1, ::-1], triangles[1:]])
+    assert len(fill(mesh(part(), (points, triangles)), 0.1, 3)) == 1000
+    assert len(fill(mesh(part(), (points, triangles[:, ::-1])), 0.1, 3)) == 1000 - 64
+
+
 def test_the_faces_inside_an_overlap_are_no_surface() -> None:
     """Also not for a margin: what a union is cut by reaches across them."""
     both = mesh(part(), part((0.5, 0, 0)))
@@ -90,3 +98,11 @@ def test_an_open_edge_is_told_where_it_lies_in_the_scene() -> None:
     for use in (lambda: fill(holed, 0.1, 3), lambda: contains(holed, np.zeros((1, 3)), 0.0)):
         with pytest.raises(InputError, match=r"that from \(9.5, 19.5, 29.5\) to"):
             use()
+
+
+def test_a_surface_with_one_side_is_refused() -> None:
+    """The projective plane of six vertices."""
+    ring = [(0, 1, 2), (0, 2, 3), (0, 3, 4), (0, 4, 5), (0, 5, 1)]
+    triangles = np.array([*ring, (1, 2, 4), (2, 3, 5), (3, 4, 1), (4, 5, 2), (5, 1, 3)])
+    with pytest.raises(InputError, match="has one side only"):
+        fill(Mesh(np.random.default_rng(0).uniform(size=(6, 3)), triangles), 0.1, 3)

@@ -16,6 +16,7 @@ from warp_mps.shapes.closed_surface import near_surface, proper, windings
 # distance up to which a vertex touches another shell, in diagonals of the surface
 TOUCHING = 1e-7
 SOLID, CAVITY = 1, -1
+ONE_SIDED = "the mesh has one side only, so that nothing is inside"
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,22 +50,21 @@ def find_shells(points: np.ndarray, triangles: np.ndarray) -> Shells:
     triangles = triangles[proper(triangles)]
     first, second, alike = _neighbours(triangles)
     count = len(triangles)
-    if alike.all():
-        labels = _connected(count, first, second)
-    else:
+    if not alike.all():
         # each triangle stands twice, as it is and turned over; two neighbours that go alike are of one sheet
         partner = np.where(alike, second, second + count)
         opposite = np.where(alike, second + count, second)
         both = _connected(2 * count, np.append(first, first + count), np.append(partner, opposite))
         as_it_is, over = both[:count], both[count:]
         if (as_it_is == over).any():
-            return Shells(
-                points, triangles, np.zeros(count, int), np.ones(1, int), np.zeros((0, 3)), "has one side only"
-            )
+            return Shells(points, triangles, np.zeros(count, int), np.ones(1, int), np.zeros((0, 3)), ONE_SIDED)
+        numbers = np.unique(np.minimum(as_it_is, over), return_inverse=True)[1].reshape(-1)
         turned = as_it_is > over
+        # a shell goes as most of its triangles do
+        turned ^= (np.bincount(numbers, turned) > 0.5 * np.bincount(numbers))[numbers]
         triangles = np.where(turned[:, None], triangles[:, ::-1], triangles)
-        labels = np.minimum(as_it_is, over)
-    numbers = np.unique(labels, return_inverse=True)[1].reshape(-1)
+    else:
+        numbers = np.unique(_connected(count, first, second), return_inverse=True)[1].reshape(-1)
     return _with_roles(points, triangles, numbers)
 
 
@@ -124,7 +124,9 @@ def _with_roles(points: np.ndarray, triangles: np.ndarray, numbers: np.ndarray) 
     fault = ""
     if wrong:
         place = f"({', '.join(f'{c:.6g}' for c in points[vertex[wrong[0]]])})"
-        fault = f"has shells that cross and are turned opposite ways, one of them at {place} m: turn both alike"
+        fault = (
+            f"the mesh has shells that cross and are turned opposite ways, one of them at {place} m: turn both alike"
+        )
     return Shells(points, triangles, numbers, roles, np.array(idle).reshape(-1, 3), fault)
 
 
