@@ -133,3 +133,29 @@ def test_still_water_stays_still_whatever_the_walls_measure(thickness: float, wi
     assert np.abs((end - start).mean(axis=0)).max() < 0.02
     assert (end > 0.0).all()
     assert (end[:, 0] < width).all()
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(("thickness", "size"), [(3.45, (8.0, 6.0, 7.0)), (3.45, (8.44, 6.3, 7.56))])
+def test_still_water_stays_still_in_three_dimensions(thickness: float, size: tuple[float, float, float]) -> None:
+    """Walls whose lattice did not continue the water's let it settle by 0.055 spacings."""
+    (w, h, d), t = size, thickness
+    top = h + 5.0
+    corners = {
+        "floor": ([-t, -t, -t], [w + t, 0.0, d + t]),
+        "left": ([-t, 0.0, -t], [0.0, top, d + t]),
+        "right": ([w, 0.0, -t], [w + t, top, d + t]),
+        "back": ([0.0, 0.0, -t], [w, top, 0.0]),
+        "front": ([0.0, 0.0, d], [w, top, d + t]),
+    }
+    walls = tuple(wall(name, low, high) for name, (low, high) in corners.items())
+    water = Fluid(name="water", shape=cells([0.0, 0.0, 0.0], list(size)), spacing=L0)
+    scene = Scene(dimension=3, fluids=(water,), walls=walls, gravity=(0.0, -9.81, 0.0), duration=1.0)
+    simulation = Simulation(scene)
+    wet = slice(simulation.particles.count - simulation.particles.liquid, None)
+    start = simulation.positions[wet] / L0
+    simulation.step_to(0.5)
+    end = simulation.positions[wet] / L0
+    assert np.abs((end - start).mean(axis=0)).max() < 0.02
+    assert (end > 0.0).all()
+    assert (end[:, (0, 2)] < (w, d)).all()

@@ -6,9 +6,12 @@ from dataclasses import replace
 
 import pytest
 
+import warp_mps as mps
 from tests.particles.test_met_faces import L0, cells, tank, wall
 from tests.scenes import block, scene_of
+from warp_mps.particles.filling import fill_scene
 from warp_mps.particles.misfits import misfits, remarks_on_misfits
+from warp_mps.run.remarks import remarks_on_case
 from warp_mps.shapes import Box
 
 
@@ -47,3 +50,11 @@ def test_a_body_keeps_its_lattice_and_is_remarked() -> None:
     (line,) = remarks_on_misfits(scene_of(body))
     assert line.startswith("body 'block': is 4.45 spacings along x and takes 4: both faces lie 0.2")
     assert remarks_on_misfits(scene_of(block(2))) == []
+
+
+def test_a_tank_filled_to_a_level_that_does_not_fit_is_remarked() -> None:
+    """1.228 m wide and 0.57 m deep at 0.05 m: 25 columns between the walls, 11 rows from the bottom."""
+    walls = mps.tank((0.0, 0.0), (1.228, 0.9), L0)
+    scene = mps.Scene(fluids=(mps.fill_to(0.57, walls),), walls=walls, gravity=(0.0, -9.81), duration=1.0)
+    (line,) = remarks_on_case(scene, fill_scene(scene))
+    assert line.startswith("fluid 'water': is 11.4 spacings along y and takes 11: the face at the high end lies 0.20")
