@@ -36,7 +36,7 @@ SECONDS_OF_WALL = {2: 0.5e-6, 3: 1e-6}
 # factor of the schemes with more neighbour sums in a step
 SCHEMES = {"conservative": 1.0, "corrected": 1.5, "koshizuka_oka": 1.0}
 # observers at a row and at a frame [s], and for each particle [s]; of a fluid, whose surface they search; a probe [s];
-# polar decompositions where rotations are probed, for each elastic particle [s]
+# polar decompositions where rotations are probed in 3-D, for each elastic particle [s]
 ROW, ROW_PER_PARTICLE, ROW_PER_FLUID, ROW_PER_PROBE, ROW_PER_ROTATION = 0.8e-3, 0.25e-6, 1.2e-6, 0.05e-3, 2.5e-6
 FRAME, FRAME_PER_PARTICLE = 3.5e-3, 0.5e-6
 
@@ -115,6 +115,6 @@ def _observers(scene: Scene, particles: Particles, clock: Clock) -> float:
     rows, frames = clock.steps / clock.sample_every, clock.steps / clock.frame_every
     row = ROW + len(scene.probes) * ROW_PER_PROBE
     row += particles.count * ROW_PER_PARTICLE + particles.liquid * ROW_PER_FLUID
-    if any(probe.quantity == "rotation" for probe in scene.probes):
+    if scene.dimension == 3 and any(probe.quantity == "rotation" for probe in scene.probes):
         row += particles.elastic * ROW_PER_ROTATION
     return rows * row + frames * (FRAME + particles.count * FRAME_PER_PARTICLE)
