@@ -19,6 +19,7 @@ def fluid_constants_struct(types: NumericTypes) -> Any:
 
         Attributes:
             walls: Number of wall particles w, the first ones of all n [-].
+            markers: Number of markers of elastic bodies, the first ones of the wall particles [-].
             scheme: Discretization, one of `warp_mps.fluid.schemes`.
             clip: 1 if negative pressures are set to 0, else 0.
             period: Period along each axis [m], 0 where there is none.
@@ -44,6 +45,7 @@ def fluid_constants_struct(types: NumericTypes) -> Any:
         """
 
         walls: wp.int32
+        markers: wp.int32
         scheme: wp.int32
         clip: wp.int32
         period: vec

@@ -101,6 +101,7 @@ class FluidModel:
         """The constants as kernels take them, a `FluidConstants` of `warp_mps.fluid.constants`."""
         constants, ops, vec = fluid_constants_struct(self.types)(), self.operators, self.types.vec
         constants.walls, constants.scheme, constants.clip = self.walls, self.scheme, self.clip
+        constants.markers = self.particles.elastic
         wraps = np.isin(np.arange(self.types.dimension), self.periodic)
         constants.period = vec(*np.where(wraps, self.high - self.low, 0.0))
         constants.low, constants.high, constants.gravity = vec(*self.low), vec(*self.high), vec(*self.gravity)

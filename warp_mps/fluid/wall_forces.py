@@ -64,7 +64,8 @@ def wall_force_kernels(types: NumericTypes) -> SimpleNamespace:
                 r = wp.max(wp.sqrt(square), real(CLOSEST) * fluid.radius)
                 c = fluid.gradient * gradient_weight(fluid.scheme, r, fluid.radius)
                 p_i = real(p[i - fluid.walls])
-                p_j = wall_particle_pressure(p_i, fluid.density * wp.dot(fluid.gravity - a[j], x_ij), fluid.clip)
+                beyond = fluid.density * wp.dot(fluid.gravity - a[j], x_ij)
+                p_j = wall_particle_pressure(fluid, j, p_i, beyond)
                 pressed = pair_pressure(wp.static(CONSERVATIVE), p_i, p_j, p_i)
                 pressed += wp.dot(wall_gradient[i - fluid.walls], x_ij)
                 total += (density_scale[i - fluid.walls] * c * pressed) * x_ij
@@ -93,9 +94,10 @@ def wall_force_kernels(types: NumericTypes) -> SimpleNamespace:
             i = neighbours.index[j, m]
             x_ij = displacement(x[i], x_j, fluid.period)
             w = weight(wp.length(x_ij), fluid.radius)
-            total += w * wall_particle_pressure(
-                real(p[i - fluid.walls]), fluid.density * wp.dot(fluid.gravity - a[j], x_ij), fluid.clip
-            )
+            p_w = real(p[i - fluid.walls]) + fluid.density * wp.dot(fluid.gravity - a[j], x_ij)
+            if fluid.clip == 1:
+                p_w = wp.max(p_w, real(0.0))
+            total += w * p_w
             weights += w
         if weights > real(0.0):
             total = total / weights
