@@ -35,6 +35,7 @@ class Markers:
         particles: The particles of the scene with the markers in the place of the elastic ones.
         bodies: Index of the body of each marker, shape [count].
         masses: Masses of the markers [kg], shape [count].
+        densities: Densities of their bodies [kg/m^3], shape [count].
 
     Args:
         particles: The particles of the scene.
@@ -53,6 +54,8 @@ class Markers:
         first = np.concatenate(([0], np.cumsum(sizes)))
         self.particles = _gathered(particles, members, first, spacing)
         self.bodies, self.masses = self.particles.bodies[: self.count], self.particles.masses[: self.count]
+        cells = particles.masses[: self.elastic] / particles.spacings[: self.elastic] ** types.dimension
+        self.densities = np.add.reduceat(cells[members], first[:-1]) / sizes
         vec64 = wp.types.vector(length=types.dimension, dtype=wp.float64)
 
         def array(values: Any, dtype: Any) -> wp.array:

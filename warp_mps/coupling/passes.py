@@ -16,12 +16,15 @@ from warp_mps.coupling.structures import Structure
 from warp_mps.errors import RunError
 from warp_mps.fluid.failures import MOST_UNSOLVED
 from warp_mps.fluid.fluids import Fluids
+from warp_mps.scene.validation.coupling import LEAST_DENSITY
 
 # change of the forces on the markers in a pass, relative to them, at which the passes have converged
 TOLERANCE = 1e-3
 MOST_PASSES = 20
 # earlier steps whose passes the quasi-Newton method reuses
 REUSED_STEPS = 16
+# times the forces at the start of a step that those of a pass may be before a step that fails is put down to them
+RUNAWAY = 10.0
 
 
 class FixedPointPasses:
@@ -52,6 +55,7 @@ class FixedPointPasses:
         self.statistics = CouplingStatistics()
         self.guess = np.zeros((2, e, types.dimension))
         self.replay = fluids.step.replay
+        self._density = fluids.model.density
         self._quasi_newton = InterfaceQuasiNewton(REUSED_STEPS)
         # change of the forces in the last pass, shape [e, d]
         self._change = np.zeros((e, types.dimension))
@@ -78,7 +82,7 @@ class FixedPointPasses:
         """
         forces: np.ndarray = self.guess
         for count in range(1, MOST_PASSES + 1):
-            self._advance_structure(forces, end, trial=True)
+            self._try_forces(forces, end, count)
             if count == 1:
                 self.replay("solve pressure", self._solve_pressure)
             else:
@@ -121,12 +125,20 @@ class FixedPointPasses:
         steps = self.statistics.diverged
         if steps < MOST_UNSOLVED:
             return self._failures.after_step(left)
-        k = int(np.argmax(np.linalg.norm(self._change, axis=1)))
         return (
             f"the coupling of water and bodies did not converge in {steps} steps in a row: the forces on the bodies "
             f"still change by {self.statistics.last_residual:.3g} of themselves, and most at "
-            f"{self._failures.describe(k)}"
+            f"{self._describe_marker(self._change)}"
         )
+
+    def _describe_marker(self, forces: np.ndarray) -> str:
+        """The marker with the largest of some forces, shape [e, d], and its remedy if its body is too light."""
+        k = int(np.argmax(np.linalg.norm(forces, axis=1)))
+        ratio = float(self._markers.densities[k] / self._density)
+        described = self._failures.describe(k)
+        if ratio >= LEAST_DENSITY:
+            return described
+        return f"{described}, whose body is {ratio:.2g} times as dense as the water: take {LEAST_DENSITY:g} or more"
 
     def arrays(self) -> dict[str, np.ndarray]:
         """Everything that evolves here, for a checkpoint."""
@@ -136,6 +148,25 @@ class FixedPointPasses:
         """Continue from arrays that `arrays` gave."""
         self.guess = arrays["guess"].copy()
         self._quasi_newton.assign(arrays["learnt"], arrays["learnt_sizes"])
+
+    def _try_forces(self, forces: np.ndarray, end: float, count: int) -> None:
+        """Take the bodies' step of a pass; if it fails under forces that grow without bound, that is the cause.
+
+        Raises:
+            RunError: The step was not solved.
+        """
+        try:
+            self._advance_structure(forces, end, trial=True)
+        except RunError as error:
+            now, usual = float(np.linalg.norm(forces[0])), float(np.linalg.norm(self.guess[0]))
+            if now <= RUNAWAY * usual:
+                raise
+            reason = f"in pass {count} the forces on the bodies are {now:.3g} N, {usual:.3g} N at the start"
+            worst = self._describe_marker(forces[0])
+            raise RunError(
+                f"at t = {self._fluid.state.now:.6g} s: the coupling of water and bodies diverges: {reason}, and most "
+                f"at {worst}"
+            ) from error
 
     def _advance_structure(self, forces: np.ndarray, end: float, *, trial: bool = False) -> None:
         """Take the bodies' step under forces on the markers, and set the linearization point, shape [2, e, d]."""

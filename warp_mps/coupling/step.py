@@ -91,7 +91,8 @@ class CoupledStep:
         target, longest = float(time_step.target.numpy()[0]), float(time_step.dt.numpy()[0])
         dt, left = self._structure.fit_time_step(longest, target - now) if longest > 0.0 else (math.inf, 0)
         if dt > LARGEST_SPEED * longest:
-            raise RunError(f"at t = {now:.6g} s: {self._failures.describe_fastest()}: time step underflow")
+            reason = "time step underflow; slow the motion down, or shorten the time step of the scene (mps:timeStep)"
+            raise RunError(f"at t = {now:.6g} s: {self._failures.describe_fastest()}: {reason}")
         if dt > LARGEST_STRETCH * longest:
             reason = f"the bodies' explicit steps of {dt:.3g} s are too long for it; shorten the time step of the scene"
             raise RunError(f"at t = {now:.6g} s: {self._failures.describe_fastest()}: {reason}")

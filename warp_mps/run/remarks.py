@@ -8,6 +8,7 @@ from warp_mps.particles.open_corners import remarks_on_open_corners
 from warp_mps.particles.particles import Particles
 from warp_mps.particles.unheld_fluid import remarks_on_unheld_fluid
 from warp_mps.run.inventory.doubts import remarks_on_flotation, remarks_on_rows
+from warp_mps.run.inventory.drift import remarks_on_drift
 from warp_mps.scene import Scene
 from warp_mps.scene.validation.fluids import remarks as remarks_on_fluids
 from warp_mps.scene.validation.meshes import remarks_on_meshes
@@ -25,5 +26,6 @@ def remarks_on_case(scene: Scene, particles: Particles) -> list[str]:
         *remarks_on_open_corners(scene),
         *remarks_on_thin_bodies(scene, particles),
         *remarks_on_flotation(scene, particles),
+        *remarks_on_drift(scene, particles),
         *remarks_on_rows(scene, particles),
     ]

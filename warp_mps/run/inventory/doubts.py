@@ -24,7 +24,7 @@ def remarks_on_flotation(scene: Scene, particles: Particles) -> list[str]:
     lines, floating = [], flotations(scene, particles)
     for body in scene.bodies:
         found = floating.get(body.name)
-        if found is None or found.draught is None or found.metacentric_height is None or not _is_wet(body, particles):
+        if found is None or found.draught is None or found.metacentric_height is None or not is_wet(body, particles):
             continue
         where, off = place(body, kind_of(body)), found.draught - found.drawn
         if abs(off) > DRAUGHT * body.spacing:
@@ -37,7 +37,7 @@ def remarks_on_flotation(scene: Scene, particles: Particles) -> list[str]:
     return lines
 
 
-def _is_wet(body: Body, particles: Particles) -> bool:
+def is_wet(body: Body, particles: Particles) -> bool:
     """Whether a body is in touch with a fluid."""
     own = slice(*particles.ranges[particles.names.index(body.name)])
     water = particles.positions[particles.count - particles.liquid :]

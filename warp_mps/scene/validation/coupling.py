@@ -14,6 +14,10 @@ if TYPE_CHECKING:
     from warp_mps.scene import Body, Scene
 
 
+# density of a body over that of the water from which on the passes of the coupling were found to converge
+LEAST_DENSITY = 0.05
+
+
 def check_coupling(scene: Scene) -> None:
     """Check a scene with elastic bodies and fluids.
 
@@ -36,10 +40,21 @@ def check_coupling(scene: Scene) -> None:
 
 def remarks_on_bodies(scene: Scene) -> list[str]:
     """Remarks on the bodies in the fluids of a scene, a line each."""
-    lines = [line for body in scene.bodies for line in (*_thin(body, scene), *_uneven(body, scene))]
+    lines = [
+        line for body in scene.bodies for line in (*_light(body, scene), *_thin(body, scene), *_uneven(body, scene))
+    ]
     if scene.bodies and scene.contact.between == "none" and not scene.supports:
         lines.append("no contact and no supports: bodies go through walls and each other; use contact 'bodies'")
     return lines
+
+
+def _light(body: Body, scene: Scene) -> list[str]:
+    """A line about a body that is too light for the coupling: the water's added mass exceeds its own too far."""
+    ratio = body.material.density / scene.fluids[0].liquid.density
+    if ratio >= LEAST_DENSITY:
+        return []
+    reason = f"is {ratio:.2g} times as dense as the water: the forces between them may not converge"
+    return [f"{place(body, 'body')}: {reason}; they do from {LEAST_DENSITY:g} on"]
 
 
 def _thin(body: Body, scene: Scene) -> list[str]:
