@@ -1,6 +1,6 @@
 """CPU time of a run on one core.
 
-The constants are those of the shipped stages on one core of a server, where the estimate of each is within a factor of
+The constants are fitted to the shipped stages on one core of a server, where the estimate of each is within a factor of
 1.5 of the time that it takes.
 """
 
