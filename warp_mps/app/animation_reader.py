@@ -14,7 +14,7 @@ from pxr import Sdf, Usd, UsdGeom, UsdPhysics
 from warp_mps.app.run_folder import ANIMATION, require_run
 from warp_mps.errors import InputError
 from warp_mps.usd.animation.colours import linear_to_srgb
-from warp_mps.usd.case.open_stage import open_stage
+from warp_mps.usd.case.open_stage import open_stage, quiet, refuse_damage
 
 # SI units of the quantities that a result may hold; points, velocities and widths are in the stage's units
 UNITS = {"pressure": "Pa", "stress": "Pa", "strain": "1", "von_mises": "Pa", "strain_energy": "J/m^3"}
@@ -110,7 +110,8 @@ class Animation:
             raise InputError(str(self.path), "", "has no frames")
         self._points = points
         self._require_units()
-        self.clouds = tuple(_cloud(item, self.path) for item in points)
+        with quiet(self.path), refuse_damage(self.path):
+            self.clouds = tuple(_cloud(item, self.path) for item in points)
         self.times = np.array(self.codes) / self._stage.GetTimeCodesPerSecond()
         self.playback_rate = float(self._stage.GetFramesPerSecond())
         self.meters_per_unit = float(UsdGeom.GetStageMetersPerUnit(self._stage))
@@ -153,29 +154,38 @@ class Animation:
 
     def points(self, cloud: int, frame: int) -> np.ndarray:
         """Positions of a cloud [stage units], shape [n, 3]."""
-        return self._sound(cloud, frame, "points", self._points[cloud].GetPointsAttr().Get(self.codes[frame]), (3,))
+        return self._sound(cloud, frame, "points", self._get(self._points[cloud].GetPointsAttr(), frame), (3,))
 
     def velocities(self, cloud: int, frame: int) -> np.ndarray:
         """Velocities of a cloud [stage units/s], shape [n, 3]."""
-        values = self._points[cloud].GetVelocitiesAttr().Get(self.codes[frame])
+        values = self._get(self._points[cloud].GetVelocitiesAttr(), frame)
         return self._sound(cloud, frame, "velocities", values, (3,))
 
     def scalar(self, cloud: int, frame: int, name: str) -> np.ndarray:
         """A scalar quantity of a cloud [SI units], shape [n]."""
         primvar = UsdGeom.PrimvarsAPI(self._points[cloud]).GetPrimvar(name)
-        return self._sound(cloud, frame, name, primvar.Get(self.codes[frame]), ())
+        return self._sound(cloud, frame, name, self._get(primvar, frame), ())
 
     def quantities(self, cloud: int, frame: int) -> dict[str, np.ndarray]:
         """The further quantities of a cloud [SI units], by name, shape [n], [n, 3] or [n, 3, 3]."""
         values = {}
         for primvar in UsdGeom.PrimvarsAPI(self._points[cloud]).GetPrimvars():
             if primvar.GetInterpolation() == UsdGeom.Tokens.vertex:
-                value = primvar.Get(self.codes[frame])
+                value = self._get(primvar, frame)
                 if value is not None:
                     name = str(primvar.GetPrimvarName())
                     self._sound(cloud, frame, name, value, None)
                     values[name] = np.array(value)
         return values
+
+    def _get(self, values: Any, frame: int) -> Any:
+        """What an attribute or a primvar holds in a frame.
+
+        Raises:
+            InputError: USD cannot read it.
+        """
+        with quiet(self.path), refuse_damage(self.path):
+            return values.Get(self.codes[frame])
 
     def _sound(self, cloud: int, frame: int, name: str, value: Any, shape: tuple[int, ...] | None) -> np.ndarray:
         """The values of a quantity; `shape` is that of one particle, None any.

@@ -15,7 +15,7 @@ from typing import Annotated, Any, Literal, get_args
 
 from tyro.conf import Positional, UseAppendAction, arg
 
-from warp_mps.app import result_commands
+from warp_mps.app import address_space, result_commands
 from warp_mps.app.arguments import parse
 from warp_mps.core.interrupts import first_interrupt_only, raise_when_killed
 from warp_mps.core.streams import patient_streams, say
@@ -181,7 +181,9 @@ def _end(arguments: list[str]) -> int:
             if arguments == ["--version"]:
                 print(f"warp-mps {__version__}")
                 return 0
-            return parse(COMMANDS, arguments)()
+            command = parse(COMMANDS, arguments)
+            reason = address_space.too_small()
+            return _fail(reason, 2) if reason else command()
     except SystemExit as help_was_shown:
         return int(help_was_shown.code or 0)
     except (InputError, RunError, MemoryError, OSError) as error:

@@ -19,7 +19,7 @@ def require_folder(folder: str | Path) -> Path:
     """The path of a folder of results.
 
     Raises:
-        InputError: It is empty, or it is not UTF-8, which USD needs.
+        InputError: It is empty, it is not UTF-8, which USD needs, or the system takes no such name.
     """
     text = os.fspath(folder)
     if not text:
@@ -27,7 +27,15 @@ def require_folder(folder: str | Path) -> Path:
     try:
         os.path.abspath(text).encode()
     except UnicodeEncodeError:
-        raise InputError(ascii(text), "", "cannot be used: its path is not UTF-8, which USD needs") from None
+        raise InputError(
+            ascii(os.path.abspath(text)), "", "cannot be used: its path is not UTF-8, which USD needs"
+        ) from None
+    try:
+        os.lstat(text)
+    except (FileNotFoundError, NotADirectoryError):
+        pass
+    except OSError as error:
+        raise InputError(text, "", f"cannot be written: {error.strerror}") from None
     return Path(folder)
 
 

@@ -97,8 +97,10 @@ def _lock(folder: Path) -> int | None:
         try:
             fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
             if _is_current(handle, folder / NAME):
-                os.ftruncate(handle, 0)
-                os.write(handle, str(os.getpid()).encode())
+                # on a full disk the lock holds without a number in its file
+                with contextlib.suppress(OSError):
+                    os.ftruncate(handle, 0)
+                    os.write(handle, str(os.getpid()).encode())
                 return handle
         except BlockingIOError:
             holder = os.read(handle, 20).decode(errors="replace").strip()

@@ -6,9 +6,13 @@ another in one dataset, and offsets say where each frame begins. The vertices ar
 
 from __future__ import annotations
 
+import contextlib
+import io
+from collections.abc import Iterator
 from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
+from typing import IO, Any
 
 import numpy as np
 
@@ -48,7 +52,8 @@ def _write(animation: Animation, number: int, path: Path) -> None:
 
     cloud, frames = animation.clouds[number], len(animation)
     count = len(cloud.ids)
-    with h5py.File(path, "w") as file:
+    # HDF5 itself crashes when it cannot write
+    with path.open("r+b") as written, keeping_errors(written) as target, h5py.File(target, "w") as file:
         for name, value in {**animation.provenance, "metersPerUnit": animation.meters_per_unit}.items():
             file.attrs[name] = value
         root = file.create_group("VTKHDF")
@@ -82,6 +87,59 @@ def _write(animation: Animation, number: int, path: Path) -> None:
         for name, unit in units_of(animation).items():
             if name in root["PointData"]:
                 root["PointData"][name].attrs["units"] = unit
+
+
+class _Target(io.RawIOBase):
+    """A file to write to, which keeps its first error instead of raising it."""
+
+    def __init__(self, file: IO[bytes]) -> None:
+        self.error: OSError | None = None
+        self._file = file
+
+    def write(self, data: Any) -> int:
+        """Write, unless an earlier write has failed; the number of bytes."""
+        try:
+            if self.error is None:
+                self._file.write(data)
+                self._file.flush()
+        except OSError as error:
+            self.error = error
+        return memoryview(data).nbytes
+
+    def seek(self, offset: int, whence: int = 0) -> int:
+        """Go to a position."""
+        return self._file.seek(offset, whence)
+
+    def tell(self) -> int:
+        """The position."""
+        return self._file.tell()
+
+    def readinto(self, buffer: Any) -> int:
+        """Read, of what could not be written zeros."""
+        data = self._file.read(memoryview(buffer).nbytes).ljust(memoryview(buffer).nbytes, b"\0")
+        memoryview(buffer).cast("B")[:] = data
+        return len(data)
+
+    def truncate(self, size: int | None = None) -> int:
+        """Set the size, unless an earlier write has failed."""
+        try:
+            return self._file.truncate(size) if self.error is None else size or 0
+        except OSError as error:
+            self.error = error
+            return size or 0
+
+
+@contextlib.contextmanager
+def keeping_errors(file: IO[bytes]) -> Iterator[_Target]:
+    """A file for HDF5, whose first error is raised after the body.
+
+    Raises:
+        OSError: It could not be written.
+    """
+    target = _Target(file)
+    yield target
+    if target.error is not None:
+        raise target.error
 
 
 def _arrays(animation: Animation, number: int, frame: int) -> dict[str, np.ndarray]:

@@ -108,7 +108,7 @@ class PointsFile:
             # USD recreates a folder that was removed during the run: delete it if it is empty
             with contextlib.suppress(OSError):
                 self.path.parent.rmdir()
-            raise RunError(f"{self.path}: cannot be written: {_first_error(error)}") from error
+            raise RunError(f"{self.path}: cannot be written: {first_error(error)}") from error
         if not saved:
             raise RunError(f"{self.path}: cannot be written")
         self._saves += 1
@@ -164,7 +164,7 @@ def _attribute(name: str) -> str:
     return name if name in ("points", "velocities") else f"primvars:{name}"
 
 
-def _first_error(error: Exception) -> str:
+def first_error(error: BaseException) -> str:
     """Text of the first error; the others follow from it, and all carry locations in USD's source."""
     text = " ".join(str(error).split())
     found = re.search(r" : '(.*?)'( Error in '|$)", text)

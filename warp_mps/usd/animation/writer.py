@@ -2,21 +2,22 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import shutil
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from pxr import Sdf
+from pxr import Sdf, Tf
 
-from warp_mps.errors import InputError
+from warp_mps.errors import InputError, RunError
 from warp_mps.particles.particles import Particles
 from warp_mps.usd.animation.frame_digest import FrameDigest, digest_of
-from warp_mps.usd.animation.points_file import ROOT, PointsFile, open_until
+from warp_mps.usd.animation.points_file import ROOT, PointsFile, first_error, open_until
 from warp_mps.usd.case.isolated_open import open_isolated
-from warp_mps.usd.case.open_stage import quiet
+from warp_mps.usd.case.open_stage import quiet, refuse_damage
 
 if TYPE_CHECKING:
     from warp_mps.scene import StageFrame
@@ -40,6 +41,28 @@ def tensors_to_stage_axes(values: np.ndarray, frame: StageFrame) -> np.ndarray:
     mapped = np.zeros_like(values)
     mapped[:, np.array(axes)[:, None], axes] = values
     return mapped
+
+
+@contextlib.contextmanager
+def _writable(path: Path) -> Iterator[None]:
+    """Say in one line that an animation cannot be begun or continued, as on a full disk, and leave no copies.
+
+    Raises:
+        InputError: It is so.
+    """
+    try:
+        with quiet(path):
+            yield
+    except (Tf.ErrorException, RunError) as error:
+        cause = error if isinstance(error, Tf.ErrorException) else error.__cause__ or error
+        for name in copies_of(path):
+            name.unlink(missing_ok=True)
+        raise InputError(str(path), "", f"cannot be written: {first_error(cause)}") from error
+
+
+def copies_of(path: Path) -> list[Path]:
+    """The hidden copies of an animation that take turns."""
+    return [path.with_name(f".{path.stem}.{letter}.usdc") for letter in "ab"]
 
 
 class AnimationWriter:
@@ -75,7 +98,8 @@ class AnimationWriter:
         primvars: Sequence[str] = (),
     ) -> None:
         self._setup(path, frame, frame_rate, primvars)
-        self._copies = [PointsFile.create(name, particles, frame, frame_rate=frame_rate) for name in self._names]
+        with _writable(self._path):
+            self._copies = [PointsFile.create(name, particles, frame, frame_rate=frame_rate) for name in self._names]
         for copy in self._copies:
             copy.describe(provenance)
 
@@ -103,19 +127,21 @@ class AnimationWriter:
         writer._setup(path, frame, frame_rate, primvars)
         if os.path.isfile(path):
             open_isolated(path, allow_external=False)
-        with quiet(writer._path):
+        with quiet(writer._path), refuse_damage(writer._path):
             layer = open_until(writer._path, particles, writer._code(after))
             prims = [layer.GetPrimAtPath(f"{ROOT}/{name}") for name in particles.names]
             writer._digest = digest_of(prims, layer, layer.ListAllTimeSamples())
         if mark is not None and writer.mark() != mark:
             reason = "has other frames than those that the run wrote before its checkpoint; start a new run"
             raise InputError(str(path), "", reason)
-        for name in writer._names:
-            layer.Export(str(name))
-        writer._copies = [PointsFile(name, particles, frame) for name in writer._names]
+        with _writable(writer._path):
+            for name in writer._names:
+                layer.Export(str(name))
+            writer._copies = [PointsFile(name, particles, frame) for name in writer._names]
+            for copy in writer._copies:
+                copy.describe(provenance)
+                copy.save()
         for copy in writer._copies:
-            copy.describe(provenance)
-            copy.save()
             writer._publish(copy.path)
         return writer
 
@@ -124,7 +150,7 @@ class AnimationWriter:
         if self._path.suffix != ".usdc":
             raise InputError(str(path), "", "an animation is written as .usdc; give a name that ends so")
         self._frame, self._rate, self._primvars = frame, frame_rate, tuple(primvars)
-        self._names = [self._path.with_name(f".{self._path.stem}.{letter}.usdc") for letter in "ab"]
+        self._names = copies_of(self._path)
         self._digest = FrameDigest()
         self._path.parent.mkdir(parents=True, exist_ok=True)
         self._remove_copies()

@@ -50,6 +50,19 @@ def quiet(path: str | Path) -> Iterator[None]:
         raise damaged(path, BEYOND_MEANS)
 
 
+@contextmanager
+def refuse_damage(path: str | Path) -> Iterator[None]:
+    """Say in one line that values of a file cannot be read: USD looks at them when they are first asked for.
+
+    Raises:
+        InputError: It is so.
+    """
+    try:
+        yield
+    except Tf.ErrorException as error:
+        raise damaged(path, reason_of(error)) from None
+
+
 def open_stage(
     path: str | Path, *, overrides: Mapping[str, str] | None = None, allow_external: bool = False
 ) -> Usd.Stage:
