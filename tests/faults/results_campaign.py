@@ -26,13 +26,13 @@ from warp_mps.results.history import read_history
 from warp_mps.results.summary import read_summary
 
 READING = (
-    *("report {0} --overwrite", "plot {0} --overwrite", "picture {0} --overwrite --size 64 64"),
+    *("report {0} --overwrite", "plot {0} --overwrite", "picture {0} --overwrite --size 160 120"),
     *(
         "convert {0} --overwrite",
         "convert {0} --overwrite --to vtkhdf",
         "convert {0} --overwrite --to usd --colour speed",
     ),
-    "video {0} --overwrite --size 64 64 --out {0}/video.gif",
+    "video {0} --overwrite --size 160 120 --out {0}/video.gif",
 )
 RESUME = "run {1} --out {0} --resume --quiet --duration 0.012"
 # commands that read a file
