@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from pxr import Sdf
+from pxr import Sdf, Vt
 
 from tests.scenes import beam, ends
 from warp_mps.errors import InputError
@@ -71,7 +71,7 @@ def test_rows_of_another_run_before_the_last_are_refused(folder: Path, change: C
     assert contents(folder) == before
 
 
-@pytest.mark.parametrize("change", ["removed", "altered", "added"])
+@pytest.mark.parametrize("change", ["removed", "altered", "added", "extent"])
 def test_frames_of_another_run_before_the_last_are_refused(folder: Path, change: str) -> None:
     layer = Sdf.Layer.OpenAsAnonymous(str(folder / "run.usdc"))
     path = "/Result/beam.points"
@@ -79,6 +79,8 @@ def test_frames_of_another_run_before_the_last_are_refused(folder: Path, change:
     if change == "removed":
         for attribute in layer.GetPrimAtPath("/Result/beam").attributes:
             layer.EraseTimeSample(attribute.path, codes[1])
+    elif change == "extent":
+        layer.SetTimeSample("/Result/beam.extent", codes[1], Vt.Vec3fArray())
     else:
         code = codes[1] if change == "altered" else 0.5 * codes[1]
         layer.SetTimeSample(path, code, layer.QueryTimeSample(path, codes[2]))

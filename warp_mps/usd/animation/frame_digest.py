@@ -8,9 +8,6 @@ from typing import Any
 
 import numpy as np
 
-# attributes of a body that follow from the others
-DERIVED = ("extent",)
-
 
 class FrameDigest:
     """Counts frames and hashes their time codes and arrays, one after the other."""
@@ -52,4 +49,4 @@ def digest_of(bodies: Iterable[Any], layer: Any, codes: Iterable[float]) -> Fram
 
 def _samples(prim: Any, layer: Any, code: float) -> dict[str, np.ndarray]:
     samples = {item.name: layer.QueryTimeSample(item.path, code) for item in prim.attributes}
-    return {name: np.array(value) for name, value in samples.items() if value is not None and name not in DERIVED}
+    return {name: np.array(value) for name, value in samples.items() if value is not None}

@@ -133,10 +133,12 @@ class PointsFile:
 
     def parts(self, values: Mapping[str, np.ndarray]) -> list[tuple[str, dict[str, np.ndarray]]]:
         """The name of each body and what it has of the quantities, by the names of its attributes."""
-        return [
-            (points.GetPrim().GetName(), {_attribute(name): value for name, value in self._own(index, values).items()})
-            for index, points in enumerate(self._points)
-        ]
+        found = []
+        for index, points in enumerate(self._points):
+            own = {_attribute(name): value for name, value in self._own(index, values).items()}
+            own["extent"] = extent(own["points"], self._widths[index])
+            found.append((points.GetPrim().GetName(), own))
+        return found
 
     def _own(self, index: int, values: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
         first, last = self._ranges[index]
