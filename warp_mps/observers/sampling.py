@@ -13,7 +13,7 @@ from warp_mps.observers.fluid_sampling import sample_of_fluid
 from warp_mps.observers.interpolation import interpolate
 from warp_mps.observers.rigid_point import rigid_point
 from warp_mps.particles.particles import Particles
-from warp_mps.particles.selection import select
+from warp_mps.particles.selection import select, select_held
 from warp_mps.scene import PROBE_UNITS, Probe, Scene
 from warp_mps.scene.components import TENSORS, component_names, tensor_places
 from warp_mps.scene.validation.fluids import is_in_fluid
@@ -55,7 +55,7 @@ def make_sampler(probe: Probe, scene: Scene, particles: Particles) -> Sampler:
         sample = _of_body(probe, particles)
     elif probe.support is not None:
         support = next(support for support in scene.supports if support.name == probe.support)
-        sample = _sum("reactions", select(particles, support.region, support.bodies))
+        sample = _sum("reactions", select_held(particles, support))
     elif is_in_fluid(probe, scene):
         sample = sample_of_fluid(probe, scene, particles)
     else:

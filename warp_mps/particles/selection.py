@@ -12,6 +12,8 @@ from warp_mps.shapes import Shape, contains
 
 # in particle spacings: particles on a face of a region belong to it, in spite of rounding
 REGION_TOLERANCE = 1e-6
+# in particle spacings: a clamp holds the particles in front of its face that are closer to it than this
+CLAMP_REACH = 0.38
 
 
 def select(particles: Particles, region: Shape, bodies: tuple[str, ...] = ()) -> np.ndarray:
@@ -29,8 +31,17 @@ def select(particles: Particles, region: Shape, bodies: tuple[str, ...] = ()) ->
     return np.flatnonzero(inside)
 
 
+def is_clamp(support: Support, dimension: int) -> bool:
+    """Whether a support holds its particles wholly: along every axis, and their rotation."""
+    every_axis = not support.axes or len(set(support.axes)) == dimension
+    return every_axis and support.hold_rotation is not False
+
+
 def select_held(particles: Particles, item: Support | Load) -> np.ndarray:
     """Indices of the particles that a support holds or a load acts on.
+
+    Those of a region; a clamp also holds the particles of its bodies that nearly touch its face, whose bonds across it
+    would be too short and stiff.
 
     Raises:
         InputError: The region holds no particle.
@@ -41,4 +52,17 @@ def select_held(particles: Particles, item: Support | Load) -> np.ndarray:
         raise InputError(
             place(item, kind), "region", f"the {kind} holds no particle: its region must reach into a body"
         )
+    if isinstance(item, Support) and is_clamp(item, particles.dimension):
+        return _with_touching(particles, item, found)
     return found
+
+
+def _with_touching(particles: Particles, clamp: Support, found: np.ndarray) -> np.ndarray:
+    """Particles in the region of a clamp, and those of the same bodies in front of its face that nearly touch it."""
+    part = slice(particles.elastic)
+    near = np.isin(particles.bodies[part], particles.bodies[found])
+    for spacing in np.unique(particles.spacings[found]):
+        same = np.flatnonzero(near & (particles.spacings[part] == spacing))
+        near[same] = contains(clamp.region, particles.positions[same], CLAMP_REACH * float(spacing))
+    near[found] = True
+    return np.flatnonzero(near)

@@ -11,7 +11,7 @@ from warp_mps.elastic.boundary.boundary_kernels import boundary_kernels
 from warp_mps.elastic.state import ElasticState
 from warp_mps.errors import InputError
 from warp_mps.particles.particles import Particles
-from warp_mps.particles.selection import select_held
+from warp_mps.particles.selection import is_clamp, select_held
 from warp_mps.scene import HarmonicMotion, Load, Scene, Support, TableMotion
 from warp_mps.scene.spline import clamped_slopes
 from warp_mps.scene.validation.scene import place
@@ -132,13 +132,12 @@ class BoundaryConditions:
     def _hold(self, support: Support, particles: Particles, driven: np.ndarray) -> None:
         found = select_held(particles, support)
         axes = np.array(sorted(support.axes) or range(particles.dimension))
-        clamp = len(axes) == particles.dimension if support.hold_rotation is None else support.hold_rotation
         here = np.ix_(found, axes)
         if driven[here].any() or (support.motion is not None and self.held[here].any()):
             reason = "holds particles along an axis along which another support moves or holds them"
             raise InputError(place(support, "support"), "motion", reason)
         self.held[here] = True
-        self.held_rotation[found] |= clamp
+        self.held_rotation[found] |= support.hold_rotation or is_clamp(support, particles.dimension)
         if support.motion is None:
             return
         driven[here] = True

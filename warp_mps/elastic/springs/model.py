@@ -9,6 +9,7 @@ from warp_mps.core.neighbours import reference_neighbours
 from warp_mps.core.rotation import rotation_vectors
 from warp_mps.core.types import NumericTypes
 from warp_mps.core.weights import lattice_number_density
+from warp_mps.elastic.boundary.clamp_faces import clamp_faces
 from warp_mps.elastic.materials.constants import lame_constants
 from warp_mps.elastic.model import Pass
 from warp_mps.elastic.output.stresses import StressFields, stress_fields, stress_kernels
@@ -68,6 +69,7 @@ class SpringModel:
         inputs = [*places, double(self.volume), double(lame[:, 1]), double(1.0 / self.number_density)]
         wp.launch(self.kernels.bonds, n, inputs, [self.bond, self.area, self.stiffness], device=device)
         bulk = self.volume * lame[:, 0] / self.number_density**2
+        self._end_at_clamps(scene, particles, bulk)
         self.bulk = wp.array(bulk, dtype=types.real, device=device)
         self.inverted = wp.zeros(n, dtype=wp.int32, device=device)
 
@@ -110,6 +112,20 @@ class SpringModel:
     def rotations(self) -> np.ndarray:
         """Rotation vectors [rad], shape [n, 1] in 2-D and [n, 3] in 3-D."""
         return rotation_vectors(self.rotation.q.numpy().astype(float))
+
+    def _end_at_clamps(self, scene: Scene, particles: Particles, bulk: np.ndarray) -> None:
+        """End the pairs at the faces of clamps: a spring cut short to the share t of its length is 1/t as stiff.
+
+        The free neighbours of a held particle next to a face count twice in its volume change, mirrored at the face.
+        """
+        faces = clamp_faces(scene, particles, self.start.numpy(), self.index.numpy())
+        if faces is None:
+            return
+        for array, share in ((self.bond, 1.0), (self.area, -1.0), (self.stiffness, -1.0)):
+            values = array.numpy()
+            values[faces.pairs] = (values[faces.pairs].T * faces.fraction**share).T
+            array.assign(values)
+        bulk[faces.next_to] *= faces.share * faces.doubling**2
 
     def _launch_pressure(self, state: ElasticState, first: int, count: int) -> None:
         inputs = [first, self.start, self.index, self.bond, self.area, self.bulk, state.u, self.rotation.q]
