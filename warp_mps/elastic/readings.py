@@ -68,7 +68,10 @@ class SolidReadings:
         return self._state.contact.numpy().astype(float)
 
     def reactions(self) -> np.ndarray:
-        """Force that the supports exert on each particle: m a - f on the held axes [N], shape [n, d]."""
+        """Force that the supports exert on each particle: m a - f on the held axes [N], shape [n, d].
+
+        A clamp exerts them at its face, not where its particles stand.
+        """
         inertial = self.parts.masses[:, None] * self._state.driven.numpy()
         return np.where(self.parts.boundary.held, inertial - self._state.force.numpy(), 0.0)
 

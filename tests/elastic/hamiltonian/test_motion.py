@@ -64,8 +64,8 @@ def period_of(times: np.ndarray, deflections: np.ndarray) -> float:
 @pytest.mark.parametrize(
     ("layers", "periods", "tolerance"),
     [
-        (5, 2, 0.025),
-        pytest.param(10, 1, 0.014, marks=pytest.mark.long),
+        (5, 2, 0.01),
+        pytest.param(10, 1, 0.01, marks=pytest.mark.long),
         pytest.param(20, 1, 0.01, marks=pytest.mark.slow),
     ],
 )
@@ -74,25 +74,23 @@ def test_oscillating_plate(layers: int, periods: int, tolerance: float) -> None:
     simulation = Simulation(plate(layers, 0.57), threads=2 if layers > 10 else 1)
     times, deflections = swing(simulation, (periods + 0.05) * PERIOD, 128)
     period, amplitude = period_of(times, deflections), np.abs(deflections).max() / 0.2
+    # the last particles stand half a spacing before the tip, whose slope is 1.3765 times its deflection over the length
+    amplitude /= 1.0 - 1.3765 * 0.5 * (WIDTH / layers) / 0.2
     print(f"{layers} particles: {period:.5f} s ({100 * (period / PERIOD - 1):+.2f} %), amplitude {amplitude:.4f} L")
     assert period == pytest.approx(PERIOD, rel=tolerance)
     assert amplitude == pytest.approx(0.115, rel=0.01)
 
 
-@pytest.mark.long
-def test_the_clamp_makes_the_period_first_order() -> None:
-    """The held part ends at x = 0, but its last particles half a spacing before: the plate is that much too long."""
+def test_the_plate_is_as_long_as_it_is_drawn() -> None:
+    """The clamp acts at its face, half a spacing in front of its last particles."""
     errors = []
-    for layers in (5, 10, 20, 40):
+    for layers in (5, 10):
         scene = plate(layers, 0.57)
         particles = fill_scene(scene)
         held = np.repeat(particles.positions[:, :1] < 0.0, 2, axis=1)
-        (omega,), _ = linear_hamiltonian(scene, particles, held).modes(1)
+        (omega,), _ = linear_hamiltonian(scene, particles, held, face=0.0).modes(1)
         errors.append(2 * np.pi / omega / PERIOD - 1.0)
-    assert 100 * np.array(errors) == pytest.approx([2.40, 1.33, 0.69, 0.37], abs=0.02)
-    # the period goes with the square of the length
-    beyond = 0.5 * np.array(errors[:3]) * 0.2 / (WIDTH / np.array([5, 10, 20]))
-    assert beyond == pytest.approx(0.65, abs=0.06)
+    assert 100 * np.array(errors) == pytest.approx([0.51, 0.32], abs=0.02)
 
 
 @pytest.mark.parametrize("law", LAWS)

@@ -60,13 +60,16 @@ class LinearSystem:
         return np.random.default_rng(0).normal(size=len(self.free))
 
 
-def linear_system(scene: Scene, particles: Particles, held: np.ndarray | None = None) -> LinearSystem:
+def linear_system(
+    scene: Scene, particles: Particles, held: np.ndarray | None = None, *, face: float | None = None
+) -> LinearSystem:
     """Assemble the system of a scene.
 
     Args:
         scene: The scene; its supports are not looked at.
         particles: Its particles.
         held: Which freedoms are held, shape [n, d + 1] in 2-D and [n, 6] in 3-D; None holds none.
+        face: Place x of the plane face of a clamp [m]: bonds to held particles are cut there.
     """
     d, n = particles.dimension, particles.count
     lame = np.array([lame_of(material, scene) for material in scene.materials])[particles.materials]
@@ -74,14 +77,25 @@ def linear_system(scene: Scene, particles: Particles, held: np.ndarray | None = 
     i, j, bond, w = pairs_of(scene, particles)
     length = np.linalg.norm(bond, axis=1)
     density = _number_density(scene, particles, i, w)
+    cut, doubled = np.ones(len(i)), np.ones(n)
+    if face is not None and held is not None:
+        ahead, fixed = particles.positions[:, 0] - face, held[:, 0]
+        across = fixed[i] != fixed[j]
+        near = np.where(fixed[i], ahead[j], ahead[i])
+        cut[across] = near[across] / np.abs(bond[across, 0])
+        beside = np.unique(np.where(fixed[i], i, j)[across])
+        doubled[beside] = 4.0 * np.maximum(0.5 + ahead[beside] / particles.spacings[beside], 0.0)
+        bond = bond * cut[:, None]
     operators = _relative_displacements(bond, i, j, n)
     mu = 2.0 * lame[i, 1] * lame[j, 1] / (lame[i, 1] + lame[j, 1])
-    springs = volume[i] * (2 * d) * (2 * mu) * w / length**2 * 0.5 * (1 / density[i] + 1 / density[j])
-    stretch = sum(sp.diags(bond[:, axis] / length) @ operator for axis, operator in enumerate(operators))
-    divergence = sp.diags(d / density) @ sp.csr_matrix((w / length, (i, np.arange(len(i)))), (n, len(i))) @ stretch
+    springs = volume[i] * (2 * d) * (2 * mu) * w / length**2 / cut * 0.5 * (1 / density[i] + 1 / density[j])
+    stretch = sum(sp.diags(bond[:, axis] / (length * cut)) @ operator for axis, operator in enumerate(operators))
+    divergence = (
+        sp.diags(d / density) @ sp.csr_matrix((w / length / cut, (i, np.arange(len(i)))), (n, len(i))) @ stretch
+    )
     # every pair stands in the list twice
     stiffness = 0.5 * sum(operator.T @ sp.diags(springs) @ operator for operator in operators)
-    stiffness = stiffness + divergence.T @ sp.diags(volume * lame[:, 0]) @ divergence
+    stiffness = stiffness + divergence.T @ sp.diags(volume * lame[:, 0] * doubled) @ divergence
     spins = 2 * d - 3
     inertia = particles.masses * particles.spacings**2 / 6
     masses = np.column_stack([particles.masses] * d + [inertia] * spins).ravel()

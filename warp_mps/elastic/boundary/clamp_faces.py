@@ -28,7 +28,7 @@ _FARTHEST = (1.0, 1.25, 1.5, 2.0)
 # least share of a bond in front of the face: a shorter one would be too stiff
 _LEAST = 0.2
 # least share of a volume: the kernels take ratios to it
-_LEAST_VOLUME = 1e-6
+_LEAST_VOLUME = 1e-9
 # halvings of a bond in the search for the face: 1e-6 of the bond
 _HALVINGS = 20
 # resultant of the bonds to free particles over the sum of their lengths: below, a held particle has free ones all round

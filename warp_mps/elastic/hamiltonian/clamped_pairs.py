@@ -16,7 +16,7 @@ def end_pairs_at_faces(
 ) -> None:
     """Let pairs end at the faces of clamps: X_ij becomes t_ij X_ij and omega_ij becomes omega_ij / t_ij^2.
 
-    The shape tensors of free particles stay; those of held ones next to them become one-sided.
+    The shape tensors of free particles stay; those of held ones near the face become one-sided.
 
     Args:
         faces: The faces.
@@ -29,12 +29,12 @@ def end_pairs_at_faces(
     bonds, weights, inverses = (array.numpy() for array in (bond, weight, inverse_shape))
     bonds[faces.pairs] *= faces.fraction[:, None]
     weights[faces.pairs] *= faces.weight / faces.fraction**2
-    for i in faces.next_to:
+    for i in np.unique(np.searchsorted(start, faces.pairs, side="right") - 1):
         pairs = slice(start[i], start[i + 1])
         x, omega = bonds[pairs].astype(float), weights[pairs].astype(float)
         shape = (omega[:, None] * x).T @ x
         n = float(np.sum(omega * np.sum(x * x, axis=1)))
-        flat = np.linalg.det(len(shape) / n * shape) <= _FLAT
+        flat = n <= 0.0 or np.linalg.det(len(shape) / n * shape) <= _FLAT
         inverses[i] = 0.0 if flat else np.linalg.inv(shape)
     for array, values in ((bond, bonds), (weight, weights), (inverse_shape, inverses)):
         array.assign(values)

@@ -8,15 +8,9 @@ import warp as wp
 from warp_mps.core.neighbours import reference_neighbours
 from warp_mps.core.rotation import rotation_vectors
 from warp_mps.core.types import NumericTypes
-        stiffness = scene.elasticity.control * volume * 2.0 * mu * d / density * control_share(averaged, lame)
-        self._end_at_clamps(scene, particles, volume, stiffness, averaged)
-        self._volume = real(volume)
-        kinds = np.column_stack((laws, lame, mu, particles.spacings))
-        groups = np.unique(kinds, axis=0, return_inverse=True)[1].reshape(-1)
-        self.dilatation = MeanDilatation(averaged, groups, self.operators(), self._law, types=types, device=device)
-        self._lame, self._mu = real(lame - self.dilatation.lame.numpy()), real(mu)
-        self.kappa = real(stiffness)
-        self.resistance = wp.clone(self.kappa)
+from warp_mps.elastic.boundary.clamp_faces import clamp_faces
+from warp_mps.elastic.hamiltonian.clamped_pairs import end_pairs_at_faces
+from warp_mps.elastic.hamiltonian.control import control_share
 from warp_mps.elastic.hamiltonian.kernels import hamiltonian_kernels
 from warp_mps.elastic.hamiltonian.mean_dilatation import MeanDilatation
 from warp_mps.elastic.materials.constants import law_constants, mean_lame
@@ -71,21 +65,15 @@ class HamiltonianModel:
         laws = np.array([LAWS.index(material.law) for material in materials])[particles.materials]
         self._law = wp.array(laws, dtype=wp.int32, device=device)
         self._plane_stress = int(d == 2 and scene.plane == "stress")
-<<<<<<< HEAD
+        stiffness = scene.elasticity.control * volume * 2.0 * mu * d / density * control_share(averaged, lame)
+        self._end_at_clamps(scene, particles, volume, stiffness, averaged)
         self._volume = real(volume)
         kinds = np.column_stack((laws, lame, mu, particles.spacings))
         groups = np.unique(kinds, axis=0, return_inverse=True)[1].reshape(-1)
         self.dilatation = MeanDilatation(averaged, groups, self.operators(), self._law, types=types, device=device)
         self._lame, self._mu = real(lame - self.dilatation.lame.numpy()), real(mu)
-        stiffness = scene.elasticity.control * volume * 2.0 * mu * d / density
-        self.kappa = real(stiffness * control_share(averaged, lame))
-        self.resistance = wp.clone(self.kappa)
-=======
-        stiffness = scene.elasticity.control * volume * 2.0 * mu * d / density
-        self._end_at_clamps(scene, particles, volume, stiffness)
-        self._volume, self._lame, self._mu = real(volume), real(lame), real(mu)
         self.kappa = real(stiffness)
->>>>>>> a48a0b7 (elastic: clamps act at their drawn faces)
+        self.resistance = wp.clone(self.kappa)
         self.gradient = wp.zeros(n, dtype=types.mat, device=device)
         self.pull = wp.zeros(n, dtype=types.mat, device=device)
         self.inverted = wp.zeros(n, dtype=wp.int32, device=device)
@@ -166,11 +154,10 @@ class HamiltonianModel:
             raise InputError(place(body, "body"), "spacing", reason)
         return density.numpy()
 
-<<<<<<< HEAD
     def _stress_fields(self) -> StressFields:
         constants, types = self.constants(), self._types
         return stress_fields(self.gradient, constants, self.dilatation.stress, types=types, device=self._device)
-=======
+
     def _end_at_clamps(
         self,
         scene: Scene,
