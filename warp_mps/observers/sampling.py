@@ -13,7 +13,7 @@ from warp_mps.observers.fluid_sampling import sample_of_fluid
 from warp_mps.observers.interpolation import interpolate
 from warp_mps.observers.rigid_point import rigid_point
 from warp_mps.particles.particles import Particles
-from warp_mps.particles.selection import select, select_held
+from warp_mps.particles.selection import is_clamp, select, select_held
 from warp_mps.scene import PROBE_UNITS, Probe, Scene
 from warp_mps.scene.components import TENSORS, component_names, tensor_places
 from warp_mps.scene.validation.fluids import is_in_fluid
@@ -60,6 +60,7 @@ def make_sampler(probe: Probe, scene: Scene, particles: Particles) -> Sampler:
         sample = sample_of_fluid(probe, scene, particles)
     else:
         sample = _of_place(probe, particles)
+        _refuse_clamped_section(probe, scene, particles)
     return Sampler(_labels(probe, scene), sample)
 
 
@@ -126,6 +127,24 @@ def _mean(quantity: str, origin: np.ndarray, indices: np.ndarray, weights: np.nd
 
 def _sum(field: str, indices: np.ndarray) -> Sample:
     return lambda view: getattr(view, field)[indices].sum(axis=0)
+
+
+def _refuse_clamped_section(probe: Probe, scene: Scene, particles: Particles) -> None:
+    """Refuse the moment of a part that a clamp holds, whose forces act at the face and not on the held particles.
+
+    Raises:
+        InputError: The probe's region holds particles of a clamp.
+    """
+    if probe.quantity != "section_moment" or probe.region is None:
+        return
+    inside = select(particles, probe.region)
+    for support in scene.supports:
+        if is_clamp(support, particles.dimension) and np.isin(select_held(particles, support), inside).any():
+            reason = (
+                f"holds particles of {place(support, 'support')}, whose forces act at its face: "
+                "draw it about the free part, whose moment is the opposite"
+            )
+            raise InputError(place(probe, "probe"), "region", reason)
 
 
 def _section_moment(probe: Probe, particles: Particles, indices: np.ndarray) -> Sample:
