@@ -74,7 +74,7 @@ def clamp_faces(scene: Scene, particles: Particles, start: np.ndarray, index: np
     held = np.zeros((len(clamps), particles.count), bool)
     for row, support in zip(held, clamps, strict=True):
         row[select_held(particles, support)] = True
-    any_held = held.any(axis=0)
+    any_held: np.ndarray = np.logical_or.reduce(held, axis=0)
     i = np.repeat(np.arange(particles.count), np.diff(start))
     crossing = np.flatnonzero(any_held[i] != any_held[index])
     if not len(crossing):
