@@ -32,12 +32,19 @@ def wrong_item(data: Mapping[str, Any]) -> str | None:
 
 
 def _brief(value: object) -> str:
-    text = repr(value)
+    text = ascii(value)
     return text if len(text) <= 40 else f"{text[:40]}..."
 
 
 def _text(value: object) -> bool:
-    return isinstance(value, str)
+    """Whether a value is a text that can be written: JSON can hold halves of characters."""
+    if not isinstance(value, str):
+        return False
+    try:
+        value.encode()
+    except UnicodeEncodeError:
+        return False
+    return True
 
 
 def _optional(check: Check) -> Check:
@@ -45,7 +52,7 @@ def _optional(check: Check) -> Check:
 
 
 def _named(check: Check) -> Check:
-    return lambda value: isinstance(value, dict) and all(map(check, value.values()))
+    return lambda value: isinstance(value, dict) and all(map(check, value.values())) and all(map(_text, value))
 
 
 def _count(value: object) -> bool:
@@ -68,8 +75,9 @@ def _plain(value: object, depth: int = 0) -> bool:
     """Whether a value is made of texts and of numbers that can be computed with, and nested not too deeply."""
     if isinstance(value, dict | list):
         items = value.values() if isinstance(value, dict) else value
-        return depth < DEEPEST and all(_plain(item, depth + 1) for item in items)
-    return value is None or isinstance(value, str | bool) or is_number(value)
+        names = map(_text, value) if isinstance(value, dict) else []
+        return depth < DEEPEST and all(names) and all(_plain(item, depth + 1) for item in items)
+    return value is None or isinstance(value, bool) or _text(value) or is_number(value)
 
 
 def _settings(value: object) -> bool:
