@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -17,6 +18,7 @@ from warp_mps.elastic.readings import SolidReadings
 from warp_mps.elastic.solid_state import SolidState
 from warp_mps.elastic.system import ElasticSystem
 from warp_mps.particles.particles import Particles
+from warp_mps.results.energy import Energy
 from warp_mps.scene import Scene
 
 
@@ -35,6 +37,11 @@ class ThetaReadings(SolidReadings):
     def internal_forces(self) -> np.ndarray:
         """Elastic forces [N], shape [n, d]."""
         return self._step.elastic.numpy().astype(float)
+
+    def energy(self) -> Energy:
+        """Energies of the present state [J]; what the rule has created on balance is not taken for dissipated."""
+        now = super().energy()
+        return replace(now, dissipated=max(now.dissipated, 0.0))
 
     def work(self) -> float:
         """Work of supports, loads and external forces so far [J]."""

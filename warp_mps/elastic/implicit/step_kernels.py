@@ -17,6 +17,7 @@ def step_kernels(types: NumericTypes) -> SimpleNamespace:
     """Kernels of statics: `scale_loads` to `static_work`; of a step, in order: `assemble_step` to `total_force`."""
     real, vec, d = types.real, types.vec, types.dimension
     real64 = wp.float64
+    vec64 = wp.types.vector(length=types.dimension, dtype=wp.float64)
 
     @types.kernel(METHOD)
     def scale_loads(
@@ -193,20 +194,23 @@ def step_kernels(types: NumericTypes) -> SimpleNamespace:
 
     @types.kernel(METHOD)
     def add_dissipation(
-        # Model:
-        theta: wp.float64,  # theta of the rule [-]
         # State in:
         u_before: wp.array(dtype=vec),  # displacements before the step [m], [n]
-        force_before: wp.array(dtype=vec),  # elastic forces before the step [N], [n]
         u: wp.array(dtype=vec),  # displacements u [m], [n]
-        force: wp.array(dtype=vec),  # elastic forces [N], [n]
+        force: wp.array(dtype=vec),  # elastic forces at t + theta dt [N], [n]
+        energy: wp.array(dtype=real),  # elastic energies [J], [n]
         # State in and out:
+        energy_before: wp.array(dtype=real),  # elastic energies before the step, then after it [J], [n]
         dissipated: wp.array(dtype=wp.float64),  # energy dissipated so far [J], [n]
     ):
-        """Energy that the theta rule dissipates in the deformation: (theta - 1/2) du . K du, K the secant stiffness."""
+        """Energy that the theta rule dissipates in the deformation, W_0 - W_1 - f(u_theta) . du.
+
+        For small strains it is (theta - 1/2) du . K du, K the stiffness.
+        """
         i = wp.tid()
-        fall = wp.dot(u[i] - u_before[i], force_before[i] - force[i])
-        dissipated[i] = dissipated[i] + (theta - real64(0.5)) * real64(fall)
+        done = wp.dot(vec64(force[i]), vec64(u[i]) - vec64(u_before[i]))
+        dissipated[i] = dissipated[i] + (real64(energy_before[i]) - real64(energy[i]) - done)
+        energy_before[i] = energy[i]
 
     @types.kernel(METHOD)
     def total_force(

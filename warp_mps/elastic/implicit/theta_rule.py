@@ -31,6 +31,9 @@ from warp_mps.elastic.implicit.step_kernels import step_kernels
 from warp_mps.elastic.parts import SolidParts
 from warp_mps.errors import RunError
 
+# theta of the rule that dissipates nothing in the deformation
+MIDPOINT = 0.5
+
 
 class ThetaStep:
     """A step of the theta rule, with the state that only it needs.
@@ -51,7 +54,7 @@ class ThetaStep:
     def __init__(self, parts: SolidParts, theta: float, *, graphs: bool, linear_tolerance: float) -> None:
         assert isinstance(parts.model, HamiltonianModel)
         types, device, state, held = parts.types, parts.device, parts.state, parts.boundary.held
-        self._parts, self._state, self._theta = parts, state, theta
+        self._parts, self._state, self._model, self._theta = parts, state, parts.model, theta
         self._kernels, self._replay = step_kernels(types), Replay(device=device, graphs=graphs)
         options: dict[str, Any] = {"types": types, "device": device, "graphs": graphs}
         options["linear_tolerance"] = linear_tolerance
@@ -61,11 +64,13 @@ class ThetaStep:
         self._time = self._saved_time = 0.0
         vectors = [wp.zeros(parts.count, dtype=types.vec, device=device) for _ in range(10)]
         self.external, self.elastic, self._load, self._load_before, self._given = vectors[:5]
-        self._u_before, self._elastic_before, self._end, self._end_velocity, self._mean_velocity = vectors[5:]
+        self._u_before, self._elastic_between, self._end, self._end_velocity, self._mean_velocity = vectors[5:]
         parts.external = self.external
         self.work = wp.zeros(parts.count, dtype=wp.float64, device=device)
-        evolving = [state.u, state.v, state.force, state.driven, state.dissipated]
-        self._snapshot = Snapshot([*evolving, self._load, self.elastic, self.work, parts.inversions.inverted])
+        # elastic energies at the end of the last step and of this one [J]
+        self._energy, self._energy_after = (wp.zeros(parts.count, dtype=types.real, device=device) for _ in range(2))
+        evolving = [state.u, state.v, state.force, state.driven, state.dissipated, parts.inversions.inverted]
+        self._snapshot = Snapshot([*evolving, self._load, self.elastic, self.work, self._energy])
 
     def start(self) -> None:
         """Evaluate the forces of the initial state, with which the first step begins."""
@@ -76,6 +81,7 @@ class ThetaStep:
             parts.body_forces.apply(state, 0.0, self._load)
         wp.copy(self._mean_velocity, state.v)
         self._complete()
+        self._model.launch_energy(state, self._energy)
 
     def advance(self, time: float, tolerance: float | None, share: float) -> None:
         """Advance to a time [s] by one step, solved to a residual relative to its forces; see `Newton.solve`.
@@ -131,6 +137,7 @@ class ThetaStep:
             "load": self._load,
             "elastic": self.elastic,
             "implicit_work": self.work,
+            "elastic_energy": self._energy,
             "pace": self._mean_velocity,
         }
 
@@ -153,7 +160,7 @@ class ThetaStep:
     def _assemble(self) -> None:
         """The equation of the step."""
         parts, state, newton = self._parts, self._state, self.newton
-        wp.copy(self._elastic_before, self.elastic)
+        wp.copy(self._elastic_between, self.elastic)
         parts.inversions.keep()
         inputs = [self._theta, parts.damping, self._length, parts.gravity, parts.mass, state.u, state.v, self._end]
         inputs += [self._load_before, self._load, self.external]
@@ -172,9 +179,12 @@ class ThetaStep:
         inputs += [self._end, self._end_velocity, state.force, self._given, newton.applied]
         self._launch(self._kernels.extrapolate, inputs, [state.u, state.v, self.work, state.dissipated])
         self._parts.inversions.recall()
+        wp.copy(self._elastic_between, state.force)
         self._complete()
-        inputs = [self._theta, self._u_before, self._elastic_before, state.u, self.elastic]
-        self._launch(self._kernels.add_dissipation, inputs, [state.dissipated])
+        if self._theta > MIDPOINT:
+            self._model.launch_energy(state, self._energy_after)
+            inputs = [self._u_before, state.u, self._elastic_between, self._energy_after]
+            self._launch(self._kernels.add_dissipation, inputs, [self._energy, state.dissipated])
         self._launch(self._kernels.mean_velocity, [self._length, self._u_before, state.u], [self._mean_velocity])
 
     def _complete(self) -> None:
