@@ -48,6 +48,8 @@ def test_the_passes_converge_for_steel_that_turns_fast() -> None:
     found = statistics(simulation)
     assert found["unconverged"] == 0
     assert found["passes"] < 4.0
+    # at the ends of its steps it is stretched a little, which the next step sheds: that is no energy of its motion
+    assert simulation.energy.dissipated < 0.1 * simulation.energy.kinetic
 
 
 def half_immersed(**fields: Any) -> Scene:
