@@ -41,7 +41,7 @@ def test_compare_models() -> None:
 
 
 def test_elastica() -> None:
-    assert main_of("elastica.py")(quick=True) < 0.004
+    assert main_of("elastica.py")(quick=True) < 0.003
 
 
 def test_steel_bar() -> None:

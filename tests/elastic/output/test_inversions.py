@@ -15,6 +15,9 @@ from warp_mps.scene import Body, Elasticity, Material, Scene, Support, TableMoti
 from warp_mps.shapes import Box
 
 PAD = Material(1000.0, 1e6, 0.3)
+# the plates hold the outer rows, which lie 0.05 m apart, and press them together by 0.036 m; at the corners of the pad
+# the compression is greater, and up to twice as great where nothing is wrong
+COMPRESSED, CONCENTRATION = 1.0 - 0.036 / 0.05, 2.0
 
 
 def pressed(*, law: str = "st_venant_kirchhoff", to: float = 0.4, **scene: object) -> Scene:
@@ -43,7 +46,7 @@ def test_a_crushed_pad_ends_the_run() -> None:
 def test_the_remedy_of_a_crushed_pad_works() -> None:
     simulation = watched(pressed(law="neo_hookean"))
     volumes = np.linalg.det(np.eye(2) + simulation.solid.model.gradient.numpy())
-    assert 0.2 < volumes.min() < 0.4
+    assert COMPRESSED / CONCENTRATION < volumes.min() < COMPRESSED
 
 
 def test_an_inversion_that_a_later_step_hides_is_found() -> None:
@@ -88,7 +91,8 @@ def test_inversions_of_implicit_bodies(choice: dict[str, object]) -> None:
     with pytest.raises(RunError, match=r"body 'pad' .*J <= 0.*neo_hookean"):
         watched(pressed(**choice))
     simulation = watched(pressed(law="neo_hookean", **choice))
-    assert np.linalg.det(np.eye(2) + simulation.solid.model.gradient.numpy()).min() > 0.2
+    volumes = np.linalg.det(np.eye(2) + simulation.solid.model.gradient.numpy())
+    assert COMPRESSED / CONCENTRATION < volumes.min() < COMPRESSED
 
 
 def cantilever(rows: int, *, youngs: float, control: float, duration: float) -> Scene:
