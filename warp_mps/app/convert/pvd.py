@@ -13,9 +13,9 @@ from warp_mps.results.atomic_write import create_file, write_whole
 
 
 def convert_to_pvd(folder: Path, *, overwrite: bool = False) -> int:
-    """Write a run for ParaView: a ``.vtp`` for each body and frame and ``run.pvd``, which lists them, in `folder`/pvd.
+    """Write a run for ParaView: ``run.pvd`` and what it lists, in `folder`/pvd: a ``.vtp`` for each body and frame.
 
-    Points, velocities and widths stay in the stage's units, the other quantities in SI units; the files say so.
+    A wall at rest has one file for all frames. Points, velocities and widths stay in the stage's units, the other quantities in SI units; the files say so.
 
     Args:
         folder: Folder of the run.
@@ -34,7 +34,7 @@ def convert_to_pvd(folder: Path, *, overwrite: bool = False) -> int:
         raise InputError(str(target), "", f"cannot be written: {error.strerror}") from error
     unit = animation.meters_per_unit
     print(
-        f"{len(files)} files, {len(animation)} frames; open {target / 'run.pvd'} in ParaView. Positions are in the "
+        f"{len({name for _, _, name in files})} files, {len(animation)} frames; open {target / 'run.pvd'} in ParaView. Positions are in the "
         f"stage's units of {unit:g} m, as in {animation.path.name}; pressures and stresses in Pa."
     )
     return 0
@@ -48,18 +48,23 @@ def _write(animation: Animation, target: Path) -> list[tuple[float, str, str]]:
         for old in target.glob(f"{cloud.name}_[0-9]*.vtp"):
             old.unlink()
     digits = max(4, len(str(len(animation) - 1)))
-    files = []
+    files, last = [], dict[str, tuple[str, str]]()
     for frame, time in enumerate(animation.times):
         for number, cloud in enumerate(animation.clouds):
-            name = f"{cloud.name}_{frame:0{digits}d}.vtp"
-            with create_file(target / name) as file:
-                file.write(_text(animation, number, frame).encode())
-            files.append((float(time), cloud.name, name))
+            content = _content(animation, number, frame)
+            # walls at rest are the same in every frame, and stand in one file
+            if last.get(cloud.name, ("", ""))[1] != content:
+                name = f"{cloud.name}_{frame:0{digits}d}.vtp"
+                with create_file(target / name) as file:
+                    file.write(content.encode())
+                last[cloud.name] = (name, content)
+            files.append((float(time), cloud.name, last[cloud.name][0]))
     write_whole(target / "run.pvd", collection(files))
     return files
 
 
-def _text(animation: Animation, number: int, frame: int) -> str:
+def _content(animation: Animation, number: int, frame: int) -> str:
+    """The text of a file; only those of bodies and fluids state their time."""
     cloud = animation.clouds[number]
     quantities = animation.quantities(number, frame)
     arrays = {
@@ -69,7 +74,7 @@ def _text(animation: Animation, number: int, frame: int) -> str:
         **{name: values.astype(np.float32) for name, values in quantities.items()},
     }
     facts: dict[str, str | float] = {
-        "TimeValue": float(animation.times[frame]),
+        **({} if cloud.role == "wall" else {"TimeValue": float(animation.times[frame])}),
         "metersPerUnit": animation.meters_per_unit,
         "kilogramsPerUnit": animation.kilograms_per_unit,
         "upAxis": animation.up_axis,
