@@ -23,7 +23,8 @@ STRESS = np.array([[1.0, 4.0, 0.0], [4.0, 2.0, 0.0], [0.0, 0.0, 3.0]])
 def write_result(folder: Path, *, frame: StageFrame = UPRIGHT, frames: int = 3) -> Particles:
     """Write run.usdc of a block of 4 by 2 (by 2) particles, 0.1 m wide, that moves up by 0.02 m a frame at 2 m/s.
 
-    In frame k the pressure of particle i of the block is 100 i + k, that of the wall 0, and the von Mises stress 50 i; the stress is `STRESS`.
+    In frame k the pressure of particle i of the block is 100 i + k, that of the wall 0, and the von Mises stress 50 i;
+    the stress is `STRESS`.
     """
     more = len(frame.axes) - 2
     body = Body(name="block", shape=Box((0.4, 0.2) + (0.2,) * more), material=RUBBER, spacing=0.1)

@@ -13,9 +13,10 @@ from warp_mps.results.atomic_write import create_file, write_whole
 
 
 def convert_to_pvd(folder: Path, *, overwrite: bool = False) -> int:
-    """Write a run for ParaView: ``run.pvd`` and what it lists, in `folder`/pvd: a ``.vtp`` for each body and frame.
+    """Write a run for ParaView, in `folder`/pvd: a ``.vtp`` for each body and frame, and ``run.pvd``, which lists them.
 
-    A wall at rest has one file for all frames. Points, velocities and widths stay in the stage's units, the other quantities in SI units; the files say so.
+    A wall at rest has one file for all frames. Points, velocities and widths stay in the stage's units, the other
+    quantities in SI units; the files say so.
 
     Args:
         folder: Folder of the run.
@@ -32,9 +33,9 @@ def convert_to_pvd(folder: Path, *, overwrite: bool = False) -> int:
         files = _write(animation, target)
     except OSError as error:
         raise InputError(str(target), "", f"cannot be written: {error.strerror}") from error
-    unit = animation.meters_per_unit
+    unit, count = animation.meters_per_unit, len({name for _, _, name in files})
     print(
-        f"{len({name for _, _, name in files})} files, {len(animation)} frames; open {target / 'run.pvd'} in ParaView. Positions are in the "
+        f"{count} files, {len(animation)} frames; open {target / 'run.pvd'} in ParaView. Positions are in the "
         f"stage's units of {unit:g} m, as in {animation.path.name}; pressures and stresses in Pa."
     )
     return 0
