@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import ctypes
+import signal
 import subprocess
 import sys
 import time
@@ -25,8 +26,16 @@ def running(
     """A run that saves a checkpoint at every frame; it is killed at the end of the block if it has not ended."""
     command = [sys.executable, "-m", "warp_mps", "run", str(case.stage), "--out", str(out), "--quiet"]
     command += ["--checkpoint-interval", "0", *options]
-    # the tests start no threads, and the prepared function takes no lock
-    process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True, preexec_fn=prepare)  # noqa: PLW1509
+
+    def begin() -> None:
+        # the tests themselves may run where a shell or nohup ignores signals
+        for number in (signal.SIGHUP, signal.SIGINT, signal.SIGTERM):
+            signal.signal(number, signal.SIG_DFL)
+        if prepare:
+            prepare()
+
+    # the tests start no threads, and the function takes no lock
+    process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True, preexec_fn=begin)  # noqa: PLW1509
     with process:
         try:
             yield process
