@@ -6,9 +6,7 @@ import numpy as np
 import warp as wp
 
 from warp_mps.elastic.boundary.clamp_faces import ClampFaces
-
-# det(d A_i / n_i) up to which a held particle counts as flat: it then has no gradient, and stores no energy
-_FLAT = 1e-6
+from warp_mps.elastic.hamiltonian.kernels import FLAT
 
 
 def end_pairs_at_faces(
@@ -34,7 +32,7 @@ def end_pairs_at_faces(
         x, omega = bonds[pairs].astype(float), weights[pairs].astype(float)
         shape = (omega[:, None] * x).T @ x
         n = float(np.sum(omega * np.sum(x * x, axis=1)))
-        flat = n <= 0.0 or np.linalg.det(len(shape) / n * shape) <= _FLAT
+        flat = n <= 0.0 or np.linalg.det(len(shape) / n * shape) <= FLAT
         inverses[i] = 0.0 if flat else np.linalg.inv(shape)
     for array, values in ((bond, bonds), (weight, weights), (inverse_shape, inverses)):
         array.assign(values)

@@ -11,7 +11,7 @@ from warp_mps.core.types import NumericTypes
 from warp_mps.elastic.boundary.clamp_faces import clamp_faces
 from warp_mps.elastic.hamiltonian.clamped_pairs import end_pairs_at_faces
 from warp_mps.elastic.hamiltonian.control import control_share
-from warp_mps.elastic.hamiltonian.kernels import hamiltonian_kernels
+from warp_mps.elastic.hamiltonian.kernels import FLAT, hamiltonian_kernels
 from warp_mps.elastic.hamiltonian.mean_dilatation import MeanDilatation
 from warp_mps.elastic.materials.constants import law_constants, mean_lame
 from warp_mps.elastic.model import Pass
@@ -21,9 +21,6 @@ from warp_mps.errors import InputError
 from warp_mps.particles.particles import Particles
 from warp_mps.scene import LAWS, Scene
 from warp_mps.scene.validation.scene import place
-
-# det(d A_i / n_i) of a particle is 1 inside a lattice, about 0.4 in a corner, and 0 in a row of particles
-FLAT = 1e-6
 
 
 class HamiltonianModel:

@@ -11,6 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from warp_mps.shapes.lattice import expand
+
 # width of the boxes in particle spacings; narrower boxes cost more in unknowns than they save in iterations
 WIDTH = 4.0
 # largest number of unknowns of a body, by the inversion on the host, and of entries of the dense inverse per particle:
@@ -180,9 +182,7 @@ def _touched_by_neighbours(
     """Particles and the aggregates that they or their neighbours touch, by particle and aggregate."""
     n = len(start) - 1
     first = np.searchsorted(particle, np.arange(n + 1))
-    lengths = np.diff(first)[index]
-    owner = np.repeat(np.repeat(np.arange(n), np.diff(start)), lengths)
-    within = np.arange(lengths.sum()) - np.repeat(np.cumsum(lengths) - lengths, lengths)
-    near = touched[np.repeat(first[index], lengths) + within]
+    pairs, entries = expand(first[index], np.diff(first)[index])
+    owner, near = np.repeat(np.arange(n), np.diff(start))[pairs], touched[entries]
     seen = np.unique(np.concatenate((owner * (count + 1) + near, particle * (count + 1) + touched)))
     return seen // (count + 1), seen % (count + 1)

@@ -1,4 +1,4 @@
-"""Kernels that find neighbourhoods which are turned inside out, where the equations describe no body any more."""
+"""Kernels that find neighbourhoods which are turned inside out, where the equations no longer describe a body."""
 
 import functools
 from types import SimpleNamespace

@@ -1,4 +1,4 @@
-"""Neighbourhoods that are turned inside out: the equations go on, but describe no body any more."""
+"""Neighbourhoods that are turned inside out: the equations can still be solved, but no longer describe a body."""
 
 from __future__ import annotations
 
