@@ -23,7 +23,7 @@ def domain(scene: Scene, particles: Particles) -> tuple[np.ndarray, np.ndarray]:
         return low, high
     low, high = particles.positions.min(axis=0), particles.positions.max(axis=0)
     margin = max(float((high - low).max()), 10.0 * scene.fluids[0].spacing)
-    gravity = np.asarray(scene.gravity if len(scene.gravity) else np.zeros(len(low)), float)
+    gravity = scene.gravity_vector
     up = -gravity / (float(np.linalg.norm(gravity)) or 1.0)
     return low - margin * (1.0 + np.maximum(-up, 0.0)), high + margin * (1.0 + np.maximum(up, 0.0))
 

@@ -151,7 +151,7 @@ def fluid_model(scene: Scene, particles: Particles, *, types: NumericTypes, devi
         spacing=fluid.spacing,
         density=fluid.liquid.density,
         viscosity=fluid.liquid.viscosity,
-        gravity=np.asarray(scene.gravity if len(scene.gravity) else np.zeros(types.dimension), float),
+        gravity=scene.gravity_vector,
         scheme=scheme,
         gradient_factor=ops.original_gradient if scheme == KOSHIZUKA_OKA else ops.gradient,
         clip=clip,

@@ -21,7 +21,7 @@ ALONG = 0.999
 
 def remarks_on_unheld_fluid(scene: Scene, particles: Particles) -> list[str]:
     """A line for each fluid that falls or runs out of the scene; none without walls or gravity along an axis."""
-    gravity = np.asarray(scene.gravity if len(scene.gravity) else np.zeros(scene.dimension), float)
+    gravity = scene.gravity_vector
     size = float(np.linalg.norm(gravity))
     if not scene.walls or size == 0.0 or np.abs(gravity).max() < ALONG * size:
         return []

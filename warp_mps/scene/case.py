@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from warp_mps.scene.actions import Load, Support
 from warp_mps.scene.bodies import Body, Fluid, Wall
 from warp_mps.scene.body_force import BodyForce
@@ -98,6 +100,11 @@ class Scene(Record):
 
         super().__post_init__()
         check_scene(self)
+
+    @property
+    def gravity_vector(self) -> np.ndarray:
+        """Acceleration of gravity [m/s^2], zeros without gravity, shape [dimension]."""
+        return np.asarray(self.gravity if len(self.gravity) else np.zeros(self.dimension), float)
 
     @property
     def implicit(self) -> bool:

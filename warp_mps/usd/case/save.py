@@ -103,7 +103,7 @@ class _Writer:
     def _scene(self) -> None:
         scene, path = self.scene, f"{ROOT}/PhysicsScene"
         physics = UsdPhysics.Scene.Define(self.stage, path)
-        gravity_si = np.asarray(scene.gravity if len(scene.gravity) else (0.0,) * scene.dimension)
+        gravity_si = scene.gravity_vector
         gravity = self.frame.vectors_to_stage(gravity_si, _GRAVITY)
         magnitude = float(np.linalg.norm(gravity))
         physics.CreateGravityMagnitudeAttr(magnitude)
