@@ -15,7 +15,7 @@ from warp_mps.particles.filling import fill_scene
 from warp_mps.particles.misfits import remarks_on_misfits
 from warp_mps.scene import Body, Fluid, Scene, Wall
 from warp_mps.shapes import Points, check_spacing, median_distance
-from warp_mps.shapes.point_search import crowd, near_points, nearest_others
+from warp_mps.shapes.point_search import crowd, near_points, nearest_points
 from warp_mps.usd.case.read import read_stage
 
 
@@ -100,7 +100,7 @@ def test_the_search_is_that_of_all_pairs() -> None:
     np.testing.assert_array_equal(near_points(queries, points, 0.1), expected)
     np.fill_diagonal(apart, np.inf)
     some = np.arange(1, 152, 2)
-    distances, nearest = nearest_others(some, points, 0.2)
+    distances, nearest = nearest_points(points[some], points, 0.2, some)
     least = apart[some].min(axis=1)
     np.testing.assert_allclose(distances, np.where(least <= 0.2, least, np.inf))
     found = np.isfinite(distances)

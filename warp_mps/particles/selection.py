@@ -6,7 +6,8 @@ import numpy as np
 
 from warp_mps.errors import InputError
 from warp_mps.particles.particles import Particles
-from warp_mps.scene import Load, Support
+from warp_mps.scene import Load, Scene, Support
+from warp_mps.scene.bonds import bonded_bodies
 from warp_mps.scene.validation.rules import place
 from warp_mps.shapes import Shape, contains
 
@@ -35,6 +36,17 @@ def is_clamp(support: Support, dimension: int) -> bool:
     """Whether a support holds its particles wholly: along every axis, and their rotation."""
     every_axis = not support.axes or len(set(support.axes)) == dimension
     return every_axis and support.hold_rotation is not False
+
+
+def free_bodies(scene: Scene, particles: Particles) -> dict[str, list[int]]:
+    """Bodies that no support holds, neither themselves nor what they are bonded to: by name, the numbers of these."""
+    held = {int(number) for item in scene.supports for number in particles.bodies[select_held(particles, item)]}
+    groups = {}
+    for body in scene.bodies:
+        group = [scene.bodies.index(other) for other in bonded_bodies(body, scene.bodies)]
+        if held.isdisjoint(group):
+            groups[body.name] = group
+    return groups
 
 
 def select_held(particles: Particles, item: Support | Load) -> np.ndarray:

@@ -1,4 +1,4 @@
-"""Lattices between the plane faces of walls that are no boxes: tanks made of several boxes, or drawn as a mesh.
+"""Lattices between the plane faces of walls that are not boxes: tanks made of several boxes, or drawn as a mesh.
 
 Along each axis the plane faces across it cut the lattice into segments. Each is filled as a wall of its own, so that
 the particles lie half a spacing behind every face, as well as the lengths allow.

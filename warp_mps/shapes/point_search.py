@@ -29,26 +29,30 @@ def near_points(queries: np.ndarray, points: np.ndarray, distance: float) -> np.
         Flags, shape [n].
     """
     near = np.zeros(len(queries), bool)
-    for owners, entries in _pairs(queries, points, distance):
+    for owners, entries in cell_pairs(queries, points, distance):
         near[owners[np.linalg.norm(queries[owners] - points[entries], axis=1) <= distance]] = True
     return near
 
 
-def nearest_others(numbers: np.ndarray, points: np.ndarray, reach: float) -> tuple[np.ndarray, np.ndarray]:
-    """The nearest other point of some of a set of points.
+def nearest_points(
+    queries: np.ndarray, points: np.ndarray, reach: float, own: np.ndarray | None = None
+) -> tuple[np.ndarray, np.ndarray]:
+    """The nearest of a set of points to each query.
 
     Args:
-        numbers: Indices of those to look from, shape [n].
+        queries: Positions to look from [m], shape [n, 3].
         points: Points [m], shape [m, 3].
         reach: Largest distance to look at [m].
+        own: Indices of the points that the queries are, which are left out, shape [n]; None where they are others.
 
     Returns:
         Distances, infinite where there is none within reach [m], and indices of the nearest points, both of shape [n].
     """
-    distances, nearest = np.full(len(numbers), np.inf), np.full(len(numbers), -1)
-    for owners, entries in _pairs(points[numbers], points, reach):
-        apart = np.linalg.norm(points[numbers[owners]] - points[entries], axis=1)
-        good = np.flatnonzero((numbers[owners] != entries) & (apart <= reach))
+    distances, nearest = np.full(len(queries), np.inf), np.full(len(queries), -1)
+    for owners, entries in cell_pairs(queries, points, reach):
+        apart = np.linalg.norm(queries[owners] - points[entries], axis=1)
+        allowed = apart <= reach if own is None else (own[owners] != entries) & (apart <= reach)
+        good = np.flatnonzero(allowed)
         # farthest first, so that the last one to be assigned is the nearest
         good = good[np.argsort(-apart[good], kind="stable")]
         closer = good[apart[good] < distances[owners[good]]]
@@ -76,8 +80,17 @@ def crowd(points: np.ndarray, size: float) -> float:
     return float((counts.astype(float) ** 2).sum() / len(points))
 
 
-def _pairs(queries: np.ndarray, points: np.ndarray, distance: float) -> Iterator[tuple[np.ndarray, np.ndarray]]:
-    """Pairs (query, point) whose cells, as wide as a distance [m], are the same or neighbours, in blocks."""
+def cell_pairs(queries: np.ndarray, points: np.ndarray, distance: float) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+    """Pairs (query, point) whose cells, as wide as a distance [m], are the same or neighbours, in blocks.
+
+    Args:
+        queries: Positions to look from [m], shape [n, 3].
+        points: Points [m], shape [m, 3].
+        distance: Distance within which no point is missed [m].
+
+    Yields:
+        Indices of queries and of points, two arrays of the same length; some of the pairs are farther apart.
+    """
     if not len(points) or not len(queries):
         return
     lower = np.minimum(points.min(0), queries.min(0))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from warp_mps.errors import InputError
-from warp_mps.shapes.point_search import crowd, nearest_others, pair_in_a_cell
+from warp_mps.shapes.point_search import crowd, nearest_points, pair_in_a_cell
 from warp_mps.shapes.points import Points
 
 # in spacings: particles nearer to each other coincide; bounds of the median distance to the nearest one, which is 1 on
@@ -77,7 +77,7 @@ def _nearest(x: np.ndarray, spacing: float) -> tuple[np.ndarray, np.ndarray]:
         reaches = [0.003, 0.01, 0.03, COINCIDENT, 0.3, LEAST_MEDIAN, *reaches]
     for reach in reaches:
         lone = np.flatnonzero(np.isinf(distances))
-        distances[lone], nearest[lone] = nearest_others(lone, x, reach * spacing)
+        distances[lone], nearest[lone] = nearest_points(x[lone], x, reach * spacing, lone)
         if reach >= COINCIDENT and np.isfinite(_median(distances)):
             break
     return distances, nearest

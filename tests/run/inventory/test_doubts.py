@@ -9,6 +9,7 @@ import pytest
 from warp_mps.particles.filling import fill_scene
 from warp_mps.run.cost import estimate
 from warp_mps.run.inventory.doubts import remarks_on_flotation, remarks_on_rows
+from warp_mps.run.inventory.flotation import flotations
 from warp_mps.run.remarks import remarks_on_case
 from warp_mps.scene import Body, Fluid, Material, Scene, tank
 from warp_mps.shapes import Box
@@ -24,7 +25,8 @@ def afloat(low: tuple[float, float], high: tuple[float, float], density: float) 
 
 
 def remarks(scene: Scene) -> list[str]:
-    return remarks_on_flotation(scene, fill_scene(scene))
+    particles = fill_scene(scene)
+    return remarks_on_flotation(scene, particles, flotations(scene, particles))
 
 
 def test_a_plank_at_its_draught_is_not_remarked() -> None:

@@ -11,6 +11,7 @@ from warp_mps.particles.filling import fill_scene
 from warp_mps.particles.selection import select_held
 from warp_mps.results.formatting import finite
 from warp_mps.run.cost import Cost, available_memory, estimate, refuse_too_large
+from warp_mps.run.inventory.flotation import flotations
 from warp_mps.run.inventory.items import ItemCheck, check_items
 from warp_mps.run.inventory.text import outline
 from warp_mps.run.remarks import remarks_on_case
@@ -78,15 +79,16 @@ def check(scene: Scene) -> CaseCheck:
         select_held(particles, item)
     for probe in scene.probes:
         make_sampler(probe, scene, particles)
+    floating = flotations(scene, particles)
     return CaseCheck(
         case=scene.name,
         dimension=scene.dimension,
         analysis=scene.analysis,
         method=_method(scene),
-        items=check_items(scene, particles),
+        items=check_items(scene, particles, floating),
         cost=estimate(scene, particles),
         available_memory=available_memory(),
-        remarks=tuple(remarks_on_case(scene, particles)),
+        remarks=tuple(remarks_on_case(scene, particles, floating)),
     )
 
 

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from warp_mps.particles.particles import Particles
 from warp_mps.run.cost.time_step import ROWS, time_step
-from warp_mps.run.inventory.flotation import flotations
+from warp_mps.run.inventory.flotation import Flotation
 from warp_mps.run.inventory.surfaces import nearest_offsets
 from warp_mps.scene import Body, Scene
 from warp_mps.scene.validation.rules import kind_of, place
@@ -19,9 +21,15 @@ BESIDE = 1.5
 SHORTENED = 1.5
 
 
-def remarks_on_flotation(scene: Scene, particles: Particles) -> list[str]:
-    """A line for each free body that capsizes, or that is drawn higher or lower than it floats."""
-    lines, floating = [], flotations(scene, particles)
+def remarks_on_flotation(scene: Scene, particles: Particles, floating: Mapping[str, Flotation]) -> list[str]:
+    """A line for each free body that capsizes, or that is drawn higher or lower than it floats.
+
+    Args:
+        scene: The scene.
+        particles: Its particles.
+        floating: How its free bodies float, by name.
+    """
+    lines = []
     for body in scene.bodies:
         found = floating.get(body.name)
         if found is None or found.draught is None or found.metacentric_height is None or not is_wet(body, particles):

@@ -13,10 +13,9 @@ import math
 import numpy as np
 
 from warp_mps.particles.particles import Particles
-from warp_mps.particles.selection import select_held
+from warp_mps.particles.selection import free_bodies
 from warp_mps.run.inventory.doubts import is_wet
-from warp_mps.scene import Body, Scene
-from warp_mps.scene.bonds import bonded_bodies
+from warp_mps.scene import Scene
 from warp_mps.scene.validation.rules import kind_of, place
 
 # speed of water at rest beside a body, in units of sqrt(g l0)
@@ -25,23 +24,16 @@ UNREST = 0.03
 
 def remarks_on_drift(scene: Scene, particles: Particles) -> list[str]:
     """A line for each body that floats, and that nothing holds along the level of the water."""
-    gravity = float(np.linalg.norm(scene.gravity)) if len(scene.gravity) else 0.0
+    gravity = float(np.linalg.norm(scene.gravity_vector))
     if not (scene.fluids and scene.bodies and gravity) or scene.analysis == "static":
         return []
-    held = {int(number) for item in scene.supports for number in particles.bodies[select_held(particles, item)]}
-    spacing = scene.fluids[0].spacing
+    free = free_bodies(scene, particles)
+    spacing, density = scene.fluids[0].spacing, scene.fluids[0].liquid.density
     speed = UNREST * math.sqrt(gravity * spacing)
     effect = f"water at rest may move it by {speed:.2g} m ({speed / spacing:.1f} spacings) in a second"
     remedy = "a support that holds these axes (mps:axes) at its middle prevents it, smaller spacings lessen it"
     return [
         f"{place(body, kind_of(body))}: floats and is free along the level: {effect}; {remedy}"
         for body in scene.bodies
-        if _floats(body, scene, particles, held)
+        if body.name in free and body.material.density < density and is_wet(body, particles)
     ]
-
-
-def _floats(body: Body, scene: Scene, particles: Particles, held: set[int]) -> bool:
-    """Whether a body is lighter than the water that it touches, and no support holds it or what it is bonded to."""
-    group = {scene.bodies.index(other) for other in bonded_bodies(body, scene.bodies)}
-    light = body.material.density < scene.fluids[0].liquid.density
-    return light and held.isdisjoint(group) and is_wet(body, particles)

@@ -15,9 +15,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from warp_mps.particles.particles import Particles
-from warp_mps.particles.selection import select_held
+from warp_mps.particles.selection import free_bodies
 from warp_mps.scene import Scene
-from warp_mps.scene.bonds import bonded_bodies
 
 # cells of the box about a body up to which its inside is looked for
 MOST_CELLS = 4_000_000
@@ -46,23 +45,18 @@ class Flotation:
 
 def flotations(scene: Scene, particles: Particles) -> dict[str, Flotation]:
     """How the bodies float that are free to, by name."""
-    gravity = np.asarray(scene.gravity if len(scene.gravity) else np.zeros(scene.dimension), float)
+    gravity = scene.gravity_vector
     if not scene.fluids or not scene.bodies or not gravity.any():
         return {}
-    held = {int(number) for item in scene.supports for number in particles.bodies[select_held(particles, item)]}
     up = -gravity / np.linalg.norm(gravity)
     spacing = scene.fluids[0].spacing
     level = float((particles.positions[particles.count - particles.liquid :] @ up).max()) + 0.5 * spacing
+    density, spacings = scene.fluids[0].liquid.density, {body.name: body.spacing for body in scene.bodies}
     found = {}
-    for body in scene.bodies:
-        group = [scene.bodies.index(other) for other in bonded_bodies(body, scene.bodies)]
-        if not held.isdisjoint(group):
-            continue
+    for name, group in free_bodies(scene, particles).items():
         rows = np.isin(particles.bodies, group)
-        density = scene.fluids[0].liquid.density
-        found[body.name] = flotation(
-            particles.positions[rows], particles.masses[rows], body.spacing, up, density, level
-        )
+        x, masses = particles.positions[rows], particles.masses[rows]
+        found[name] = flotation(x, masses, spacings[name], up, density, level)
     return found
 
 

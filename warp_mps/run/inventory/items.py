@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
@@ -9,7 +10,7 @@ import numpy as np
 
 from warp_mps.particles.met_faces import Fits
 from warp_mps.particles.particles import Particles
-from warp_mps.run.inventory.flotation import Flotation, flotations
+from warp_mps.run.inventory.flotation import Flotation
 from warp_mps.run.inventory.gaps import Gap, gaps
 from warp_mps.run.inventory.lattice_fit import LatticeFit, lattice_fit
 from warp_mps.run.inventory.mass_properties import MassProperties, mass_properties
@@ -74,9 +75,9 @@ class ItemCheck:
         return tuple(sorted({gap.side for gap in self.gaps if gap.wet}, key=lambda side: (side[1], side[0] == "+")))
 
 
-def check_items(scene: Scene, particles: Particles) -> tuple[ItemCheck, ...]:
-    """Bodies, walls and fluids of a scene, in the order of its particles."""
-    floating, fits, beside = flotations(scene, particles), Fits(scene), gaps(particles)
+def check_items(scene: Scene, particles: Particles, floating: Mapping[str, Flotation]) -> tuple[ItemCheck, ...]:
+    """Bodies, walls and fluids of a scene, in the order of its particles; `floating` is how free bodies float."""
+    fits, beside = Fits(scene), gaps(particles)
     return tuple(
         _item(scene, particles, number, item, fits, floating.get(item.name), beside[number])
         for number, item in enumerate(scene.filled)
