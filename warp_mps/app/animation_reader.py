@@ -121,10 +121,10 @@ class Animation:
         self.provenance: Mapping[str, Any] = {name: item for name, item in data.items() if _is_plain(item)}
 
     def _require_units(self) -> None:
-        """Refuse units and rates that are no numbers above 0, and times that are not finite.
+        """Refuse units and rates outside their range, and times that are not finite.
 
         Raises:
-            InputError: It is so.
+            InputError: One of them is.
         """
         stage = self._stage
         units = {
@@ -206,7 +206,7 @@ class Animation:
 
 
 def _numbers(value: Any) -> np.ndarray | None:
-    """Values as an array of numbers; None if they are none."""
+    """Values as an array of numbers; None where they are not numbers."""
     try:
         return None if value is None else np.array(value, dtype=float)
     except (TypeError, ValueError):

@@ -138,7 +138,7 @@ def _require_sound(path: str | Path, labels: Sequence[str], values: np.ndarray) 
     """Refuse a table without energies, times that do not increase, and numbers that cannot be computed with.
 
     Raises:
-        InputError: It is so.
+        InputError: It is one of these.
     """
     ends = [label.rpartition(" [")[0] for label in labels[-len(ENERGY_NAMES) :]]
     if len(labels) <= len(ENERGY_NAMES) or ends != list(ENERGY_NAMES.values()):

@@ -119,7 +119,7 @@ def _open(path: Path, flags: int) -> int:
     """Open the file of a lock, without following a link or waiting for a pipe.
 
     Raises:
-        InputError: It is no file of its own.
+        InputError: It is a link, a pipe, or another name of a file.
         OSError: It cannot be opened.
     """
     try:

@@ -48,7 +48,7 @@ def _writable(path: Path) -> Iterator[None]:
     """Say in one line that an animation cannot be begun or continued, as on a full disk, and leave no copies.
 
     Raises:
-        InputError: It is so.
+        InputError: It cannot.
     """
     try:
         with quiet(path):

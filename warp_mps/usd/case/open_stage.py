@@ -55,7 +55,7 @@ def refuse_damage(path: str | Path) -> Iterator[None]:
     """Say in one line that values of a file cannot be read: USD looks at them when they are first asked for.
 
     Raises:
-        InputError: It is so.
+        InputError: A value cannot be read.
     """
     try:
         yield
