@@ -15,9 +15,12 @@ from warp_mps.scene import Body, Elasticity, Material, Scene, Support, TableMoti
 from warp_mps.shapes import Box
 
 PAD = Material(1000.0, 1e6, 0.3)
-# the plates hold the outer rows, which lie 0.05 m apart, and press them together by 0.036 m; at the corners of the pad
-# the compression is greater, and up to twice as great where nothing is wrong
-COMPRESSED, CONCENTRATION = 1.0 - 0.036 / 0.05, 2.0
+# J in the middle of a pad of 0.12 x 0.05 m that is bonded to two plates, by the part of 0.06 m to which it is pressed;
+# quadratic finite elements of the same law (scikit-fem 12.0.2): 0.6781, 0.6784 with 15 and 20 through the height, and
+# 0.3423, 0.3426; beside the plates its sides fold, so that its smallest J is a matter of the mesh
+MIDDLE = {0.7: 0.678, 0.4: 0.342}
+# the four free rows of the pad are off by 1.2 and 9.7 % there (eight by 0.3 % at 0.7)
+ROWS_ERROR = {0.7: 0.015, 0.4: 0.10}
 
 
 def pressed(*, law: str = "st_venant_kirchhoff", to: float = 0.4, **scene: object) -> Scene:
@@ -43,10 +46,16 @@ def test_a_crushed_pad_ends_the_run() -> None:
         watched(pressed())
 
 
-def test_the_remedy_of_a_crushed_pad_works() -> None:
-    simulation = watched(pressed(law="neo_hookean"))
-    volumes = np.linalg.det(np.eye(2) + simulation.solid.model.gradient.numpy())
-    assert COMPRESSED / CONCENTRATION < volumes.min() < COMPRESSED
+def volumes_in_the_middle(simulation: Simulation) -> np.ndarray:
+    """J of the four particles about the middle of the pad."""
+    middle = np.hypot(*simulation.particles.positions.T) < 0.008
+    return np.asarray(np.linalg.det(np.eye(2) + simulation.solid.model.gradient.numpy()[middle]))
+
+
+@pytest.mark.parametrize("to", [0.7, 0.4])
+def test_the_remedy_of_a_crushed_pad_works(to: float) -> None:
+    simulation = watched(pressed(law="neo_hookean", to=to))
+    assert volumes_in_the_middle(simulation) == pytest.approx(MIDDLE[to], rel=ROWS_ERROR[to])
 
 
 def test_an_inversion_that_a_later_step_hides_is_found() -> None:
@@ -91,24 +100,30 @@ def test_inversions_of_implicit_bodies(choice: dict[str, object]) -> None:
     with pytest.raises(RunError, match=r"body 'pad' .*J <= 0.*neo_hookean"):
         watched(pressed(**choice))
     simulation = watched(pressed(law="neo_hookean", **choice))
-    volumes = np.linalg.det(np.eye(2) + simulation.solid.model.gradient.numpy())
-    assert COMPRESSED / CONCENTRATION < volumes.min() < COMPRESSED
+    assert volumes_in_the_middle(simulation) == pytest.approx(MIDDLE[0.4], rel=ROWS_ERROR[0.4])
 
 
 def cantilever(rows: int, *, youngs: float, control: float, duration: float) -> Scene:
-    """A clamped soft bar of 4 x 1 m that its weight bends down to nearly its length."""
-    shape = Box((4.0, 1.0), (2.0, 0.0))
+    """A soft bar of 4 x 1 m, clamped at x = 0, that its weight bends down to nearly its length."""
+    spacing = 1.0 / rows
+    shape = Box.from_corners((-2.0 * spacing, -0.5), (4.0, 0.5))
     material = Material(1050.0, youngs, 0.3, law="neo_hookean")
-    bar = Body(name="bar", shape=shape, material=material, spacing=1.0 / rows, node_axes=(0,))
-    clamp = Support(name="clamp", region=Box((0.5 / rows, 2.0)))
+    clamp = Support(name="clamp", region=Box.from_corners((-1.0, -1.0), (0.0, 1.0)))
     return scene_of(
-        bar,
+        Body(name="bar", shape=shape, material=material, spacing=spacing),
         plane="strain",
         supports=(clamp,),
         gravity=(0.0, -9.8),
         duration=duration,
         elasticity=Elasticity(control=control),
     )
+
+
+def end_of_the_bar(simulation: Simulation) -> np.ndarray:
+    """Mean displacement of the end section x = 4 m, continued from the last two columns of particles."""
+    x, u = simulation.particles.positions[:, 0], simulation.displacements
+    last, before = (u[np.isclose(x, place)].mean(axis=0) for place in np.unique(x.round(9))[[-1, -2]])
+    return np.asarray(1.5 * last - 0.5 * before)
 
 
 @pytest.mark.long
@@ -119,14 +134,24 @@ def test_the_remedy_of_a_folded_bar_works() -> None:
     watched(cantilever(24, youngs=6e5, control=1.0, duration=1.6))
 
 
+# mean displacement of the end [m] at times [s], and how far it may be off: finite elements of the same law, quadratic
+# squares with the implicit midpoint rule at 2.5 ms (scikit-fem 12.0.2; 1.25 ms differs by 1e-4 m). With 4, 5, 6, 7
+# elements through the thickness y(2 s) is -2.667, -2.676, -2.682, -2.689, and with 16 and 24 bilinear ones -2.656 and
+# -2.679. Finer meshes fold in the corner at the clamp at 1.22 s; until then 8 and 16 elements agree within 1 mm.
+# The bar swings up by 4.9 m/s at 2 s, where the corner's strain, which no mesh resolves, has shifted it by some ms.
+END_OF_THE_BAR = (
+    (0.4, (-0.0779, -1.0091), 0.005),
+    (0.8, (-1.4389, -3.0930), 0.005),
+    (1.2, (-3.2577, -3.7254), 0.005),
+    (2.0, (-0.915, -2.689), 0.03),
+)
+
+
 @pytest.mark.long
 def test_a_fine_soft_cantilever_keeps_its_order() -> None:
-    """With 32 rows and the default settings it swings as finite elements do (16 rows of bilinear ones, 128 columns).
-
-    Their tip is at -1.009, -2.196, -3.091, -3.697, -3.721, -3.614, -3.647, -3.420 and -2.659 m from 0.4 to 2 s.
-    """
-    simulation = watched(cantilever(32, youngs=1e6, control=0.5, duration=2.0))
-    x = simulation.particles.positions
-    tip = np.argmin(np.hypot(*(x - (4.0, 0.0)).T))
-    # the end column of particles stands on the end of the bar, half of its mass beyond: 4 (1/64)/4 of the deflection
-    assert simulation.displacements[tip, 1] == pytest.approx(-2.66, abs=0.08)
+    """With 32 rows and the default settings it swings as finite elements do."""
+    simulation = Simulation(cantilever(32, youngs=1e6, control=0.5, duration=2.0))
+    for time, expected, tolerance in END_OF_THE_BAR:
+        simulation.step_to(time)
+        assert simulation.solid.trouble() is None
+        assert end_of_the_bar(simulation) == pytest.approx(expected, abs=tolerance)
