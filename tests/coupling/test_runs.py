@@ -80,6 +80,8 @@ def test_a_run_in_two_parts_is_the_run_in_one(
     assert (whole / "probes.csv").read_text() == (parts / "probes.csv").read_text()
     assert len(read_history(whole / "probes.csv").rows) == 13
     assert (resumed.steps, resumed.time, resumed.energy) == (summary.steps, summary.time, summary.energy)
+    for name in ("coupling", "fluid", "implicit", "momentum_error"):
+        assert getattr(resumed, name) == getattr(summary, name), name
     assert summary.momentum_error < 1e-8
     assert summary.coupling["unconverged"] == 0
     assert 1.0 <= summary.coupling["passes"] <= summary.coupling["most_passes"] <= 20

@@ -75,6 +75,8 @@ def test_a_run_in_two_parts_is_the_run_in_one(
         for code, values in one.items():
             np.testing.assert_array_equal(values, two[code], err_msg=f"{name} {code}")
     assert (resumed.steps, resumed.time, resumed.energy) == (summary.steps, summary.time, summary.energy)
+    assert (resumed.fluid, resumed.momentum_error) == (summary.fluid, summary.momentum_error)
+    assert summary.fluid["pressure_iterations"] > 0
     assert summary.fluid["unsolved"] == 0
     assert summary.fluid["lost"] == 0
     assert summary.momentum_error < 1e-10

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from tests.observers.views import FakeView, blocks, view_of
@@ -117,3 +118,14 @@ def test_components_of_a_tensor(tmp_path: Path) -> None:
     history = read_history(tmp_path / "probes.csv")
     assert history.labels[1:5] == ("root.xx [Pa]", "root.yy [Pa]", "root.zz [Pa]", "root.xy [Pa]")
     assert [history.probe("root", k)[0] for k in range(4)] == pytest.approx([1.0, 2.0, 3.0, 4.0])
+
+
+def test_a_value_that_is_not_finite_stops_the_run(tmp_path: Path, view: FakeView) -> None:
+    """The row is not written: what probes.csv holds can be believed."""
+    recorder = record(tmp_path / "probes.csv", view, [0.0, 0.1])
+    before = (tmp_path / "probes.csv").read_text()
+    view.time, view.step = 0.2, 7
+    view.displacements[:] = np.nan
+    with pytest.raises(RunError, match=r"the probe \S+ .* is nan at 0\.2 s \(step 7\)"):
+        recorder.observe(view)
+    assert (tmp_path / "probes.csv").read_text() == before

@@ -51,11 +51,12 @@ class FakeView:
     von_mises: np.ndarray = field(init=False)
     strain_energy_densities: np.ndarray = field(init=False)
     elastic_forces: np.ndarray = field(init=False)
+    internal_forces: np.ndarray = field(init=False)
     elastic_torques: np.ndarray = field(init=False)
 
     def __post_init__(self) -> None:
         count, dimension = self.particles.positions.shape
-        for name in ("displacements", "velocities", "contact_forces", "reactions", "elastic_forces"):
+        for name in ("displacements", "velocities", "contact_forces", "reactions", "elastic_forces", "internal_forces"):
             setattr(self, name, np.zeros((count, dimension)))
         self.elastic_torques = np.zeros((count, 2 * dimension - 3))
         self.stresses, self.strains = np.zeros((2, count, 3, 3))

@@ -11,6 +11,10 @@ import numpy as np
 import pytest
 from pxr import Sdf, Vt
 
+from tests.coupling.scenes import IMPLICIT, lump, pool
+from tests.elastic.implicit.test_static import cantilever
+from tests.elastic.implicit.test_theta_rule import rod
+from tests.fluid.scenes import tank
 from tests.scenes import beam, ends
 from warp_mps.errors import InputError
 from warp_mps.observers import checkpoint as cp
@@ -32,6 +36,9 @@ SCENE = beam(
     sample_rate=2000.0,
     elasticity=Elasticity(),
 )
+# implicit steps of 10 microseconds, and water, in two frames
+RATES = {"frame_rate": 1e4, "sample_rate": 1e5}
+SLOW = {"frame_rate": 100.0}
 LONGER = replace(SCENE, duration=0.005)
 
 
@@ -124,7 +131,89 @@ def test_what_fits() -> None:
     assert misfit(fresh, {**later, "others": np.zeros(4)}) == ""
     assert misfit(fresh, {**later, "learnt": np.ones((5, 3))}).startswith("learnt is float64 of shape (5, 3)")
     assert misfit(fresh, {**later, "interval": np.array(np.nan)}) == "interval is not finite"
+    assert misfit({"a_statistics": np.zeros(2)}, {"a_statistics": np.array([1.0, np.nan])}) == ""
     assert misfit(fresh, {**later, "u": np.full((3, 2), np.inf)}) == "u is not finite"
+
+
+STATISTICS = ("steps", "time", "fluid", "implicit", "coupling", "energy", "momentum_error", "measurements")
+COUNTED: dict[str, tuple[Callable[[], Scene], str, tuple[str, ...]]] = {
+    "explicit steps": (lambda: SCENE, "", ()),
+    "implicit steps": (
+        lambda: rod(duration=2e-4, gravity=(0.0, -9.81), **RATES),
+        "implicit",
+        ("equilibria", "newton_iterations", "linear_iterations", "worst_residual"),
+    ),
+    "statics": (
+        lambda: cantilever(load_steps=3),
+        "implicit",
+        ("equilibria", "newton_iterations", "linear_iterations", "coarse_renewals"),
+    ),
+    "water": (
+        lambda: tank((8, 8), duration=0.02, **SLOW),
+        "fluid",
+        ("pressure_iterations", "most_pressure_iterations"),
+    ),
+    "water and a body": (
+        lambda: pool(lump([3, 3], [4, 3]), **{**IMPLICIT, **SLOW, "duration": 0.02}),
+        "coupling",
+        ("passes", "most_passes", "worst_residual"),
+    ),
+}
+
+
+@pytest.mark.parametrize("name", COUNTED)
+def test_a_finished_run_that_is_resumed_has_the_same_statistics(name: str, tmp_path: Path) -> None:
+    make, kind, counted = COUNTED[name]
+    ended = run_scene(make(), tmp_path, quiet=True)
+    again = run_scene(make(), tmp_path, quiet=True, resume=True)
+    for field in STATISTICS:
+        assert getattr(again, field) == getattr(ended, field), field
+    assert all(getattr(again, kind)[field] > 0 for field in counted)
+    assert again.wall_seconds >= 0.5 * ended.wall_seconds
+    speeds = [summary.particle_steps_per_second for summary in (ended, again)]
+    assert speeds[0].keys() == speeds[1].keys()
+
+
+def test_the_wall_time_is_that_of_all_parts(folder: Path) -> None:
+    """As far as the last checkpoint knows of it."""
+    found = cp.load_checkpoint(folder, fingerprint(SCENE, "float64"))
+    records = {**found.records, "wall_seconds": 1000.0}
+    cp.save_checkpoint(folder, fingerprint(SCENE, "float64"), replace(found, records=records))
+    summary = run_scene(LONGER, folder, quiet=True, resume=True)
+    assert 1000.0 < summary.wall_seconds < 1100.0
+    assert summary.particle_steps_per_second["solid"] == pytest.approx(summary.steps * 128 / summary.wall_seconds)
+
+
+@pytest.mark.parametrize(
+    ("changes", "reason"),
+    [
+        ({"guard": {"start": 0.0}}, "least is None, must be a finite number"),
+        ({"guard": None}, "start is None, must be"),
+        ({"momentum": {"resultant": "a", "magnitude": 1.0}}, "resultant is 'a', must be"),
+        ({"wall_seconds": [1.0]}, r"wall_seconds is \[1\.0\], must be"),
+    ],
+)
+def test_records_that_are_none_are_refused(folder: Path, changes: dict, reason: str) -> None:
+    found = cp.load_checkpoint(folder, fingerprint(SCENE, "float64"))
+    records = {**found.records, **changes}
+    cp.save_checkpoint(folder, fingerprint(SCENE, "float64"), replace(found, records=records))
+    before = contents(folder)
+    with pytest.raises(InputError, match=rf"checkpoint\.npz: does not fit this case: {reason}.*; start a new run"):
+        run_scene(LONGER, folder, quiet=True, resume=True)
+    assert contents(folder) == before
+
+
+@pytest.mark.parametrize("count", [-1.0, 0.5, np.nan, np.inf, 1e300])
+def test_counters_that_are_none_are_refused(count: float, tmp_path: Path) -> None:
+    scene = tank((8, 8), duration=0.02, **SLOW)
+    run_scene(scene, tmp_path, quiet=True)
+    found = cp.load_checkpoint(tmp_path, fingerprint(scene, "float64"))
+    statistics = found.arrays["pressures_statistics"].copy()
+    statistics[0] = count
+    arrays = {**found.arrays, "pressures_statistics": statistics}
+    cp.save_checkpoint(tmp_path, fingerprint(scene, "float64"), replace(found, arrays=arrays))
+    with pytest.raises(InputError, match=r"does not fit this case: counters are .* must be whole numbers of 0 or more"):
+        run_scene(scene, tmp_path, quiet=True, resume=True)
 
 
 def test_a_refusal_says_what_has_changed(folder: Path) -> None:

@@ -142,10 +142,12 @@ class FixedPointPasses:
 
     def arrays(self) -> dict[str, np.ndarray]:
         """Everything that evolves here, for a checkpoint."""
-        return {"guess": self.guess, "learnt": self._quasi_newton.memory, "learnt_sizes": self._quasi_newton.sizes}
+        learnt = {"learnt": self._quasi_newton.memory, "learnt_sizes": self._quasi_newton.sizes}
+        return {"guess": self.guess, **learnt, "passes_statistics": self.statistics.state()}
 
     def assign(self, arrays: dict[str, np.ndarray]) -> None:
         """Continue from arrays that `arrays` gave."""
+        self.statistics.assign(arrays["passes_statistics"])
         self.guess = arrays["guess"].copy()
         self._quasi_newton.assign(arrays["learnt"], arrays["learnt_sizes"])
 

@@ -4,6 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
+from warp_mps.core.counters import whole_numbers
+
 # change of the forces in the last pass of a step, relative to them, beyond which the passes diverge
 DIVERGED = 0.1
 
@@ -39,6 +43,21 @@ class CouplingStatistics:
         self.unconverged += not converged
         self.diverged = 0 if residual <= DIVERGED else self.diverged + 1
         self.last_residual = residual
+
+    def state(self) -> np.ndarray:
+        """The statistics, for a checkpoint, shape [7]."""
+        counted = [self.steps, self.passes, self.most_passes, self.unconverged, self.diverged]
+        return np.array([*counted, self.worst_residual, self.last_residual], float)
+
+    def assign(self, state: np.ndarray) -> None:
+        """Continue from what `state` returned.
+
+        Raises:
+            ValueError: A counter is no whole number of 0 or more.
+        """
+        counted = whole_numbers(state[:5])
+        self.steps, self.passes, self.most_passes, self.unconverged, self.diverged = counted
+        self.worst_residual, self.last_residual = float(state[5]), float(state[6])
 
     def record(self) -> dict[str, float]:
         """For run.json."""

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 
+from warp_mps.core.counters import whole_numbers
 from warp_mps.fluid.step import FluidStep
 
 # share of the fluid that may leave the domain
@@ -28,6 +29,18 @@ class FluidFailures:
         self._step, self._model, self._state = step, step.model, step.state
         # solves that had failed before the last step, and steps in a row that added to them
         self._failed = self._unsolved = 0
+
+    def state(self) -> np.ndarray:
+        """Solves that had failed, and steps in a row that added to them, for a checkpoint, shape [2]."""
+        return np.array([self._failed, self._unsolved], float)
+
+    def assign(self, state: np.ndarray) -> None:
+        """Continue from what `state` returned.
+
+        Raises:
+            ValueError: A counter is no whole number of 0 or more.
+        """
+        self._failed, self._unsolved = whole_numbers(state)
 
     def trouble(self) -> str | None:
         """Why the run cannot go on, if it cannot."""

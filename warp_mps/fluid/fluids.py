@@ -86,11 +86,19 @@ class Fluids:
     def arrays(self) -> dict[str, np.ndarray]:
         """Everything that evolves, for a checkpoint."""
         forces = self.step.body_forces.arrays() if self.step.body_forces else {}
-        return {**self.state.arrays(), **forces}
+        counted = {f"{name}_statistics": solver.statistics.numpy().copy() for name, solver in self.step.solvers.items()}
+        return {**self.state.arrays(), **forces, **counted, "failures": self.failures.state()}
 
     def assign(self, arrays: dict[str, np.ndarray]) -> None:
-        """Continue from arrays that `arrays` gave."""
+        """Continue from arrays that `arrays` gave.
+
+        Raises:
+            ValueError: A counter is no whole number of 0 or more.
+        """
         self.step.assign(arrays)
+        for name, solver in self.step.solvers.items():
+            solver.assign(arrays[f"{name}_statistics"])
+        self.failures.assign(arrays["failures"])
 
     def trouble(self) -> str | None:
         """Why the run cannot go on, if it cannot."""

@@ -22,8 +22,9 @@ from warp_mps.results.regular_file import open_regular
 from warp_mps.results.summary_check import is_number
 
 # version of the format, raised whenever arrays or their meaning change: 2 since implicit solids have a coarse level and
-# water is mirrored in its walls, 3 since it knows the rows and frames of its run
-VERSION = 3
+# water is mirrored in its walls, 3 since it knows the rows and frames of its run, 4 since it holds the statistics and
+# what the guards have seen
+VERSION = 4
 NAME = "checkpoint.npz"
 PREVIOUS = "checkpoint.prev.npz"
 METADATA = "metadata"

@@ -65,13 +65,17 @@ class ProbeRecorder(Observer):
         """Add a row, unless there is one of this moment already: the last before the run was interrupted.
 
         Raises:
-            RunError: The file cannot be written.
+            RunError: A value of a probe is not finite, or the file cannot be written.
         """
         if view.time <= self.history.last_time:
             return
         row = [view.time]
         for sampler in self._samplers:
-            row.extend(float(value) for value in sampler.sample(view))
+            values = [float(value) for value in sampler.sample(view)]
+            for label, value in zip(sampler.labels, values, strict=True):
+                if not math.isfinite(value):
+                    raise RunError(f"the probe {label} is {value} at {view.time:.6g} s (step {view.step})")
+            row.extend(values)
         row.extend(getattr(view.energy, name) for name in ENERGY_NAMES)
         self.history.append(row)
         self._write(row)

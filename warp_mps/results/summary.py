@@ -41,20 +41,19 @@ class RunSummary:
         settings: The case's settings; see :func:`warp_mps.results.settings.scene_settings`.
         steps: Steps done.
         time: Simulated time [s].
-        wall_seconds: Wall time of the steps since the start, or since the last time the run was resumed [s].
+        wall_seconds: Wall time of the steps [s], with that of the runs that it continues, up to their checkpoints.
         particle_steps_per_second: Speed over that time [1/s], under ``solid`` and ``fluid``.
         energy: Energies at the end, the ``unaccounted`` loss, and ``drift``, None with fluids; see
             :func:`energy_record`.
-        momentum_error: Largest resultant of the internal forces in a frame since then, as a part of the largest sum of
-            their magnitudes [-].
+        momentum_error: Largest resultant of the internal forces in a frame, as a part of the largest sum of their
+            magnitudes [-].
         fluid: Of fluids, particles `lost`, iterations and largest true residual of the pressure solves, and how many
             stayed `unsolved`.
         implicit: Of a static analysis and of implicit steps, statistics of the solvers: `equilibria` solved,
             Newton iterations, iterations of the linear solver, renewals of its coarse level, largest residual
             relative to the forces.
         coupling: Of water and bodies together: mean and largest number of fixed-point `passes` of a step, steps
-            that stayed `unconverged`, the largest residual of a step, since the start or the last time the run
-            was resumed, and the work of the water on the bodies [J].
+            that stayed `unconverged`, the largest residual of a step, and the work of the water on the bodies [J].
         measurements: Results; see :func:`measurement_rows`.
     """
 

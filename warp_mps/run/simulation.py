@@ -12,6 +12,7 @@ from warp_mps.core.interrupts import defer_interrupts
 from warp_mps.core.warp_turn import warp_turn
 from warp_mps.errors import InputError, RunError
 from warp_mps.observers.base import Observer, closing
+from warp_mps.observers.causes import plain_cause
 from warp_mps.particles.filling import fill_scene
 from warp_mps.run.cost import refuse_too_large
 from warp_mps.run.device_arrays import device_arrays
@@ -247,7 +248,10 @@ class Simulation(Readings):
             self._show(observers, triggers)
             while self.step < self.total_steps:
                 due = min((trigger.next_after(self.step) for trigger in triggers), default=self.total_steps)
-                self.advance(min(due, self.total_steps) - self.step)
+                try:
+                    self.advance(min(due, self.total_steps) - self.step)
+                except RunError as error:
+                    raise RunError(self._explained(str(error))) from error
                 self._show(observers, triggers)
 
     def state_arrays(self) -> dict[str, np.ndarray]:
@@ -269,7 +273,7 @@ class Simulation(Readings):
         with warp_turn:
             trouble = self._system.trouble()
         if trouble is not None:
-            raise RunError(f"at t = {self.time:.6g} s: {trouble}")
+            raise RunError(self._explained(f"at t = {self.time:.6g} s: {trouble}"))
         last = self.step == self.total_steps
         self._observed = True
         try:
@@ -278,6 +282,12 @@ class Simulation(Readings):
                     observer.observe(self)
         finally:
             self._observed = False
+
+    def _explained(self, failure: str) -> str:
+        """A failure, with the cause if there is a plain one."""
+        longest, limit = self.longest_step
+        cause = plain_cause(self, time_step=longest, limit=limit)
+        return f"{failure}; {cause}" if cause else failure
 
     def _refuse_while_observed(self) -> None:
         if self._observed:

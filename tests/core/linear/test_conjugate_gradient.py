@@ -131,6 +131,30 @@ def test_a_solution_as_the_guess_takes_no_iteration_and_is_kept() -> None:
     np.testing.assert_array_equal(again, x)
 
 
+def test_a_residual_that_is_nan_stays_the_worst() -> None:
+    system = laplacian((12, 10))
+    matrix = on_device(system)
+    solver = make_solver(system.n, tolerance=1e-8)
+    for b in (system.b, np.full(system.n, np.nan), system.b):
+        solver.solve(matrix, vector(b), vector(np.zeros(system.n)))
+    statistics = solver.read_statistics()
+    assert statistics.last_residual < 1e-8
+    assert np.isnan(statistics.worst_residual)
+    assert solver.count_unsolved() == 1
+
+
+def test_statistics_go_on_from_those_of_another() -> None:
+    system = laplacian((12, 10))
+    matrix = on_device(system)
+    first, second = (make_solver(system.n, tolerance=1e-8) for _ in range(2))
+    for solver in (first, first):
+        solver.solve(matrix, vector(system.b), vector(np.zeros(system.n)))
+    second.assign(first.statistics.numpy())
+    second.solve(matrix, vector(system.b), vector(np.zeros(system.n)))
+    statistics = second.read_statistics()
+    assert (statistics.solves, statistics.iterations) == (3, 3 * statistics.last_iterations)
+
+
 def test_a_near_guess_saves_iterations() -> None:
     system = laplacian((30, 20))
     x, cold = solve(system, tolerance=1e-6)

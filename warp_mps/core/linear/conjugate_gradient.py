@@ -16,6 +16,7 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 import warp as wp
 
+from warp_mps.core.counters import whole_numbers
 from warp_mps.core.linear import kernels as names
 from warp_mps.core.linear.kernels import METHOD, solver_kernels
 from warp_mps.core.linear.sum_kernels import CHUNK, sum_kernels
@@ -219,6 +220,16 @@ class ConjugateGradient:
         """Number of solves so far that ended above the tolerance; waits for the device."""
         values = self.statistics.numpy()
         return int(values[names.STAGNATED] + values[names.EXHAUSTED])
+
+    def assign(self, statistics: np.ndarray) -> None:
+        """Continue from what `statistics` held, of which residuals may be infinite or NaN.
+
+        Raises:
+            ValueError: A counter is no whole number of 0 or more.
+        """
+        residuals = [names.WORST, names.RESIDUAL_NOW]
+        whole_numbers(np.delete(statistics, residuals))
+        self.statistics.assign(statistics)
 
     def worst_row(self) -> int:
         """Row of the largest residual of the last solve; NaN counts as the largest."""

@@ -233,8 +233,8 @@ def solver_kernels(types: NumericTypes) -> SimpleNamespace:
             statistics[SOLVES] += real64(1.0)
             statistics[SUM] += iterations
             statistics[MOST] = wp.max(statistics[MOST], iterations)
-            # NaN counts as the worst
-            if not (residual <= statistics[WORST]):
+            # NaN is the worst, and stays
+            if residual > statistics[WORST] or wp.isnan(residual):
                 statistics[WORST] = residual
             statistics[ITERATIONS_NOW] = iterations
             statistics[RESIDUAL_NOW] = residual

@@ -13,7 +13,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -26,6 +25,7 @@ from warp_mps.elastic.hamiltonian.model import HamiltonianModel
 from warp_mps.elastic.implicit import newton_kernels as names
 from warp_mps.elastic.implicit.newton_kernels import newton_kernels
 from warp_mps.elastic.implicit.rounding import STALLED, Evaluation, describe_rounding
+from warp_mps.elastic.implicit.statistics import NewtonStatistics
 from warp_mps.elastic.implicit.tangent_operator import Tangent
 from warp_mps.elastic.implicit.two_level import TwoLevelPreconditioner
 from warp_mps.elastic.state import ElasticState
@@ -40,23 +40,6 @@ MOST_HALVINGS = 30
 # sufficient decrease of the potential over its first-order decrease (Armijo), and the rounding of the potential
 ARMIJO = 1e-4
 ROUNDING = {"float64": 1e-13, "float32": 1e-5}
-
-
-@dataclass
-class NewtonStatistics:
-    """Statistics of a solver since its start.
-
-    Attributes:
-        solves: Equilibria found.
-        iterations: Newton iterations of all solves.
-        most_iterations: Newton iterations of the longest solve.
-        worst_residual: Largest final residual of the forces, relative to its scale.
-    """
-
-    solves: int = 0
-    iterations: int = 0
-    most_iterations: int = 0
-    worst_residual: float = 0.0
 
 
 class Newton:
@@ -199,6 +182,21 @@ class Newton:
         """Return to the displacements that were kept, and evaluate there."""
         wp.copy(self._state.u, self._kept)
         return self._evaluation("evaluate", self._evaluate)
+
+    def arrays(self) -> dict[str, np.ndarray]:
+        """Host copies of what the solvers have learnt and counted, by name, for a checkpoint."""
+        counted = {"newton_statistics": self.statistics.state(), "linear_statistics": self.solver.statistics.numpy()}
+        return {**self.preconditioner.arrays(), **{name: array.copy() for name, array in counted.items()}}
+
+    def assign(self, arrays: dict[str, np.ndarray]) -> None:
+        """Continue from arrays that `arrays` gave.
+
+        Raises:
+            ValueError: A counter is no whole number of 0 or more.
+        """
+        self.preconditioner.assign(arrays)
+        self.statistics.assign(arrays["newton_statistics"])
+        self.solver.assign(arrays["linear_statistics"])
 
     def worst_particle(self) -> int:
         """The particle with the largest residual in the last iteration; NaN counts as the largest."""

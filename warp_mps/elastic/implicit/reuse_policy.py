@@ -13,6 +13,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from warp_mps.core.counters import whole_numbers
+
 # iterations of a solve below which a rebuild saves nothing
 FEW_ITERATIONS = 20
 # tolerated growth of the iterations over those of the first solve after a rebuild
@@ -57,9 +59,14 @@ class ReusePolicy:
         self.rebuilds += 1
 
     def state(self) -> np.ndarray:
-        """The counters, for a checkpoint, shape [3]."""
-        return np.array([self.usual, self.excess, float(self._first_solve)])
+        """The counters, for a checkpoint, shape [4]."""
+        return np.array([self.usual, self.excess, float(self._first_solve), float(self.rebuilds)])
 
     def assign(self, state: np.ndarray) -> None:
-        """Restore the counters that `state` returned."""
+        """Restore the counters that `state` returned.
+
+        Raises:
+            ValueError: The number of rebuilds is no whole number of 0 or more.
+        """
         self.usual, self.excess, self._first_solve = float(state[0]), float(state[1]), bool(state[2])
+        (self.rebuilds,) = whole_numbers(state[3:])

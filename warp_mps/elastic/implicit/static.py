@@ -89,7 +89,7 @@ class LoadSteps:
         own = {"static_work": self.work, "applied": self.newton.applied, "u_earlier": self._u_earlier}
         copies = {name: array.numpy().copy() for name, array in own.items()}
         factors = np.array([self._earlier, self._reached])
-        return {**copies, **self.newton.preconditioner.arrays(), "factors": factors}
+        return {**copies, **self.newton.arrays(), "factors": factors}
 
     def assign(self, arrays: dict[str, np.ndarray]) -> None:
         """Continue from arrays that `arrays` gave."""
@@ -97,7 +97,7 @@ class LoadSteps:
         self._u_earlier.assign(arrays["u_earlier"])
         self.work.assign(arrays["static_work"])
         self.newton.applied.assign(arrays["applied"])
-        self.newton.preconditioner.assign(arrays)
+        self.newton.assign(arrays)
         self._parts.evaluate_model()
 
     def _not_found(self) -> str:

@@ -122,14 +122,14 @@ class ThetaStep:
     def arrays(self) -> dict[str, np.ndarray]:
         """Host copies of what evolves, by name."""
         copies = {name: array.numpy().copy() for name, array in self._named().items()}
-        return {**copies, **self.newton.preconditioner.arrays(), "implicit_time": np.array(self._time)}
+        return {**copies, **self.newton.arrays(), "implicit_time": np.array(self._time)}
 
     def assign(self, arrays: dict[str, np.ndarray]) -> None:
         """Continue from arrays that `arrays` gave."""
         for name, array in self._named().items():
             array.assign(arrays[name])
         self._time = float(arrays["implicit_time"])
-        self.newton.preconditioner.assign(arrays)
+        self.newton.assign(arrays)
 
     def _named(self) -> dict[str, wp.array]:
         """Everything that evolves, by its name in a checkpoint."""

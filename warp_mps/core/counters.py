@@ -1,0 +1,20 @@
+"""Counters of a checkpoint, which may come from anywhere."""
+
+from __future__ import annotations
+
+import numpy as np
+
+# counters in double precision are exact up to here
+MOST = 2.0**53
+
+
+def whole_numbers(values: np.ndarray) -> list[int]:
+    """Counters as integers.
+
+    Raises:
+        ValueError: One of them is no whole number of 0 or more.
+    """
+    found = np.asarray(values, float).ravel()
+    if not ((found >= 0.0) & (found <= MOST) & (found == np.floor(found))).all():
+        raise ValueError(f"counters are {found.tolist()}, must be whole numbers of 0 or more")
+    return [int(value) for value in found]
