@@ -24,19 +24,23 @@ class EnergyAccount:
 
     Attributes:
         start: E + P - W at the start.
-        least: Least balance.
         dissipated: Most that was dissipated.
         available: Most that was available to motion and deformation, by the start, work and potential energy.
-        largest: Largest of E and of the work, either way.
-        potential: Largest potential energy, either way.
+        most: Largest of E and of the work, either way.
+        scale: Largest of all energies, either way.
+        least: Least balance.
+        work: Work up to the last time when the balance was least.
+        exchanged: Largest of E, and of the work beside that, since then.
     """
 
     start: float
-    least: float
     dissipated: float
     available: float
-    largest: float
-    potential: float
+    most: float
+    scale: float
+    least: float
+    work: float
+    exchanged: float
 
     @classmethod
     def opened(cls, energy: Energy) -> EnergyAccount:
@@ -44,11 +48,13 @@ class EnergyAccount:
         start = energy.total - energy.work
         return cls(
             start=start,
-            least=energy.balance,
             dissipated=energy.dissipated,
             available=start + energy.work - energy.potential,
-            largest=max(energy.exchanged, abs(energy.work)),
-            potential=abs(energy.potential),
+            most=max(energy.exchanged, abs(energy.work)),
+            scale=_scale(energy),
+            least=energy.balance,
+            work=energy.work,
+            exchanged=energy.exchanged,
         )
 
     @classmethod
@@ -68,13 +74,18 @@ class EnergyAccount:
     def after(self, energy: Energy) -> EnergyAccount:
         """The account after a further moment."""
         dissipated = max(self.dissipated, energy.dissipated)
+        balance = energy.total - energy.work + dissipated
+        falls = balance <= self.least
+        work = energy.work if falls else self.work
         return EnergyAccount(
             start=self.start,
-            least=min(self.least, energy.total - energy.work + dissipated),
             dissipated=dissipated,
             available=max(self.available, self.start + energy.work - energy.potential),
-            largest=max(self.largest, energy.exchanged, abs(energy.work)),
-            potential=max(self.potential, abs(energy.potential)),
+            most=max(self.most, energy.exchanged, abs(energy.work)),
+            scale=max(self.scale, _scale(energy)),
+            least=min(self.least, balance),
+            work=work,
+            exchanged=max(0.0 if falls else self.exchanged, energy.exchanged, abs(energy.work - work)),
         )
 
     def gain(self, energy: Energy) -> float:
@@ -84,3 +95,7 @@ class EnergyAccount:
     def surplus(self, energy: Energy) -> float:
         """How much more motion and deformation hold at a moment, which the account holds, than was available [J]."""
         return energy.exchanged - self.available
+
+
+def _scale(energy: Energy) -> float:
+    return max(energy.exchanged, abs(energy.potential), abs(energy.work), abs(energy.dissipated))

@@ -12,10 +12,11 @@ from warp_mps.observers.causes import probable_cause
 from warp_mps.observers.energy_account import EnergyAccount
 from warp_mps.results.energy import ENERGY_NAMES
 
-# The energy balance may grow by this part of the largest kinetic, elastic and contact energy, or of the work.
+# The energy balance may grow by this part of the largest kinetic, elastic and contact energy, or of the work, that was
+# exchanged while it grew.
 ALLOWED_GROWTH = 0.1
 # Positions have a relative rounding of 1e-7 in single precision; over a run, the potential energy of a scene at rest
-# drifts by some tens of that.
+# drifts by some tens of that, and the sums of work and of what was dissipated by as much.
 ROUNDING = 1e-5
 # Water at rest settles and swells, and its particles go round. Measured from 3 to 80 rows, in tanks that stand, sway
 # and heave, and in all shipped cases: the balance rises by up to 0.2/N and 0.045 times weight times spacing at N rows,
@@ -92,17 +93,17 @@ class Guard(Observer):
     def _check_energy(self, view: View) -> None:
         energy = view.energy
         account = self._account.after(energy) if self._account else EnergyAccount.opened(energy)
-        rounding = ROUNDING * account.potential
+        rounding = ROUNDING * account.scale
         settling, stirring = _slack(view, self._body_force)
         gain, surplus = account.gain(energy), account.surplus(energy)
-        if gain > ALLOWED_GROWTH * account.largest + rounding + settling:
+        if gain > ALLOWED_GROWTH * account.exchanged + rounding + settling:
             unit = _unit(view)
             self._stop(
                 view,
-                f"the energy balance has grown by {gain:.3g} {unit} (largest kinetic, elastic and contact energy or "
-                f"work: {account.largest:.3g} {unit})",
+                f"the energy balance has grown by {gain:.3g} {unit} since it was least (largest kinetic, elastic and "
+                f"contact energy or work since then: {account.exchanged:.3g} {unit})",
             )
-        if surplus > ALLOWED_GROWTH * account.largest + rounding + stirring:
+        if surplus > ALLOWED_GROWTH * account.most + rounding + stirring:
             unit = _unit(view)
             self._stop(
                 view,
