@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from typing import Any
 
@@ -202,6 +203,19 @@ def test_what_a_fluid_lacks_is_remarked() -> None:
     assert remarks(Scene(bodies=(block(2),), duration=1.0)) == []
     assert remarks(scene(duration=0.02, frame_rate=0.5))[0].startswith("ends at 2 s: ")
     assert remarks(scene(duration=0.02, frame_rate=0.5, sample_rate=50.0)) == []
+
+
+@pytest.mark.parametrize("scheme", ["corrected", "koshizuka_oka"])
+def test_a_scheme_that_stirs_water_between_walls_is_remarked(scheme: str) -> None:
+    (line,) = remarks(scene(**flow(scheme=scheme)))
+    speed = 0.2 * math.sqrt(9.81 * WATER.spacing)
+    assert line == (
+        f"scheme '{scheme}' does not conserve momentum: water at rest between walls comes to move at some "
+        f"{speed:.2g} m/s, and a run that gains energy in that way ends; take 'conservative'"
+    )
+    assert remarks(scene(**flow(scheme="conservative"))) == []
+    assert remarks(scene(**flow(scheme=scheme), walls=())) == ["no walls: nothing holds the fluid"]
+    assert remarks(scene(**flow(scheme=scheme), gravity=())) == ["no gravity: the fluid has no weight"]
 
 
 def test_fluids_that_share_space_are_refused() -> None:
