@@ -55,8 +55,11 @@ def test_water_that_starts_and_walls_that_move_too_fast() -> None:
         ({"scheme": "corrected", "courant": 0.4}, "the scheme 'corrected' does not conserve momentum, and stirs water"),
         ({"scheme": "koshizuka_oka"}, "the scheme 'koshizuka_oka' does not conserve momentum, .* take 'conservative'$"),
         ({"courant": 0.4}, r"the CFL number of 0\.4 is above the default of 0\.2: take that or less"),
-        ({"tolerance": 0.01}, r"the pressure tolerance of 0\.01 is above the default of 0\.0001: take that or less"),
-        ({}, "the flow has become unstable; a smaller CFL number or tolerance, or more particles, may help"),
+        (
+            {"effective_radius": 1.5, "courant": 0.4},
+            r"the effective radius of 1\.5 spacings is below the default of 3\.1",
+        ),
+        ({}, "the flow has become unstable; more particles, or a smaller CFL number, may help"),
     ],
 )
 def test_settings_of_a_flow(flow: dict, expected: str) -> None:

@@ -48,6 +48,23 @@ def test_a_scheme_that_stirs_still_water_ends_the_run_and_the_remedy_works(schem
     assert run_scene(pond("conservative", duration=duration), tmp_path / "other", quiet=True).status == "done"
 
 
+@pytest.mark.parametrize(
+    ("flow", "cause"),
+    [
+        ({"courant": 1.0}, r"the CFL number of 1 is above the default of 0\.2: take that or less$"),
+        (
+            {"effective_radius": 1.5},
+            r"the effective radius of 1\.5 spacings is below the default of 3\.1: leave it out$",
+        ),
+    ],
+)
+def test_settings_that_lift_still_water_are_named(flow: dict, cause: str, tmp_path: Path) -> None:
+    """With the defaults the same tank rests; see above."""
+    scene = replace(pond("conservative", duration=4.0), flow=Flow(**flow))
+    with pytest.raises(RunError, match=cause):
+        run_scene(scene, tmp_path, quiet=True)
+
+
 def test_a_wave_that_grows_ends_the_run(tmp_path: Path) -> None:
     """It had 23 times its energy after 3 s."""
     with pytest.raises(RunError, match=r"take 'conservative'$"):

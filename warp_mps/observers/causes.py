@@ -22,7 +22,7 @@ def probable_cause(view: View, *, time_step: float, limit: float) -> str:
         time_step: Time step of the run, of fluids the longest [s].
         limit: Stability limit of explicit steps at the start [s].
     """
-    of_method = _of_fluids(view.scene.flow) if view.particles.liquid else _of_bodies(view.scene, time_step, limit)
+    of_method = _of_fluids(view.scene) if view.particles.liquid else _of_bodies(view.scene, time_step, limit)
     return plain_cause(view, time_step=time_step, limit=limit) or of_method
 
 
@@ -60,18 +60,16 @@ def _of_bodies(scene: Scene, time_step: float, limit: float) -> str:
     )
 
 
-def _of_fluids(flow: Flow) -> str:
-    usual = Flow()
+def _of_fluids(scene: Scene) -> str:
+    flow, usual = scene.flow, Flow()
     if flow.scheme != usual.scheme:
         return (
             f"the scheme '{flow.scheme}' does not conserve momentum, and stirs water beside walls and below a free "
             f"surface: take '{usual.scheme}'"
         )
+    radius, least = flow.radius(scene.dimension), usual.radius(scene.dimension)
+    if radius < least:
+        return f"the effective radius of {radius:g} spacings is below the default of {least:g}: leave it out"
     if flow.courant > usual.courant:
         return f"the CFL number of {flow.courant:g} is above the default of {usual.courant:g}: take that or less"
-    if flow.tolerance > usual.tolerance:
-        return (
-            f"the pressure tolerance of {flow.tolerance:g} is above the default of {usual.tolerance:g}: take that or "
-            "less"
-        )
-    return "the flow has become unstable; a smaller CFL number or tolerance, or more particles, may help"
+    return "the flow has become unstable; more particles, or a smaller CFL number, may help"
