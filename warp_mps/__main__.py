@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import signal
 import sys
 
@@ -14,6 +15,8 @@ INTERRUPTED = 128
 
 def main() -> int:
     """Run the command line; the exit code of an interrupted run stays, however often it is interrupted."""
+    # NumPy reads it as it is imported: the bits of its linear algebra, which couples water and bodies, depend on it
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     code = cli.main()
     if code > INTERRUPTED:
         for number in STOPPING:

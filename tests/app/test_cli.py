@@ -49,6 +49,22 @@ def test_help_imports_nothing_heavy() -> None:
         assert command in result.stdout
 
 
+@pytest.mark.parametrize("given", [None, "3"])
+def test_numpy_has_one_thread_unless_another_number_is_given(given: str | None) -> None:
+    code = (
+        "import os, sys; from warp_mps.__main__ import main\n"
+        "assert 'numpy' not in sys.modules\n"
+        "sys.argv = ['warp-mps', '--version']\n"
+        "main()\n"
+        "print(os.environ['OPENBLAS_NUM_THREADS'])"
+    )
+    environment = {name: value for name, value in os.environ.items() if name != "OPENBLAS_NUM_THREADS"}
+    if given is not None:
+        environment["OPENBLAS_NUM_THREADS"] = given
+    result = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True)
+    assert result.stdout.split()[-1] == (given or "1")
+
+
 def test_words_of_options_are_those_of_a_scene() -> None:
     assert cli.PrecisionName == choices.PrecisionName
     assert cli.ElasticModelName == choices.ElasticModelName

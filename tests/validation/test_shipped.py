@@ -27,15 +27,16 @@ TOLERANCES: dict[str, tuple[dict[str, float], float]] = {
     # the paper's lattice and supports are guessed: see the stages
     "beam_first_mode_as_published": ({"frequency": 0.07, "largest deflection": 0.11}, 1e-3),
     "beam_second_mode_as_published": ({"frequency": 0.01}, 1e-3),
-    "mass_spring_free": ({"frequency": 0.02, "mean": 0.02, "amplitude": 0.02}, 1e-3),
+    "mass_spring_free": ({"frequency": 0.002, "mean": 0.002, "amplitude": 0.002}, 1e-3),
+    # the references take the block for rigid
     "mass_spring_forced": (
         {
-            "amplitude at half of resonance": 0.02,
-            "phase at half of resonance": 0.02,
-            "amplitude at resonance": 0.02,
-            "phase at resonance": 0.02,
-            "amplitude at twice resonance": 0.02,
-            "phase at twice resonance": 0.02,
+            "amplitude at half of resonance": 0.002,
+            "phase at half of resonance": 0.002,
+            "amplitude at resonance": 0.002,
+            "phase at resonance": 0.002,
+            "amplitude at twice resonance": 0.002,
+            "phase at twice resonance": 0.002,
         },
         1e-3,
     ),
@@ -80,7 +81,7 @@ TOLERANCES: dict[str, tuple[dict[str, float], float]] = {
     "sandwich_cantilever": ({"frequency": 0.005}, 1e-5),
     "free_free_bar_3d": ({"period": 0.005}, 1e-3),
     # the reference is of a small twist
-    "twisting_column_3d": ({"period": 0.02}, 1e-5),
+    "twisting_column_3d": ({"period": 0.004}, 1e-5),
     # the ball is made of cells: where it touches first it is flat over 7 of them
     "rubber_drop_3d": (
         {"restitution": 0.015, "contact time": 0.025, "greatest push": 0.015, "greatest width": 0.005},

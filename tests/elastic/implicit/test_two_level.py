@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -234,6 +237,35 @@ def test_inverses_are_positive_whatever_the_matrix() -> None:
     assert (found[:, 2] == 0.0).all()
     good[0, 0] = np.nan
     assert (positive_inverse(good, 1e-12) == 0.0).all()
+
+
+@pytest.mark.parametrize("size", [31, 32, 33, 300])
+def test_inverses_of_any_size(size: int) -> None:
+    """Those that fill their tiles, those that do not, and those of several."""
+    root = random(size, size, seed=6)
+    good = root @ root.T + np.eye(size)
+    found = positive_inverse(good, 0.0)
+    np.testing.assert_allclose(found @ good, np.eye(size), atol=1e-10)
+    assert (found == found.T).all()
+
+
+INVERSE = """
+import hashlib, numpy as np
+from warp_mps.elastic.implicit.coarse_matrix import positive_inverse
+k = np.arange(300.0)
+matrix = np.exp(-np.abs(k - k[:, None]) / 9.0) + np.eye(300)
+print(hashlib.sha256(positive_inverse(matrix, 1e-12).tobytes()).hexdigest())
+"""
+
+
+def test_inverses_are_the_same_bits_on_any_number_of_threads() -> None:
+    """LAPACK's own inverse of 100 rows and more is not."""
+    found = set()
+    for threads in ("1", "2", "3"):
+        environment = {**os.environ, "OPENBLAS_NUM_THREADS": threads}
+        done = subprocess.run([sys.executable, "-c", INVERSE], env=environment, capture_output=True, check=True)
+        found.add(done.stdout)
+    assert len(found) == 1
 
 
 def swinging() -> Scene:

@@ -7,6 +7,9 @@ import numpy as np
 from warp_mps.elastic.implicit.aggregates import Aggregates
 
 SHIFT_GROWTH = 100.0
+# rows of the tiles of the factorization: products of tiles are far below the size that a BLAS shares among threads
+# (2^18 multiplications in OpenBLAS), which would make the bits depend on their number
+TILE = 32
 # smallest diagonal entry, relative to the largest: below it a motion has no stiffness, as a rotation of one particle
 NO_STIFFNESS = 1e-14
 
@@ -77,10 +80,51 @@ def positive_inverse(matrix: np.ndarray, shift: float) -> np.ndarray:
     while shift < 1.0:
         try:
             np.fill_diagonal(scaled, 1.0 + shift)
-            half = np.linalg.inv(np.linalg.cholesky(scaled)) * scale
+            lower = _gram(_inverse_factor(scaled), len(matrix))
         except np.linalg.LinAlgError:
             shift *= SHIFT_GROWTH
             continue
+        found = (lower + np.tril(lower, -1).T) * np.outer(scale, scale)
         # the factorization may have accepted NaN
-        return half.T @ half if np.isfinite(half).all() else np.zeros_like(matrix)
+        return found if np.isfinite(found).all() else np.zeros_like(matrix)
     return np.zeros_like(matrix)
+
+
+def _inverse_factor(matrix: np.ndarray) -> np.ndarray:
+    """L^-1 of a matrix L L^T, by a right-looking Cholesky factorization in tiles.
+
+    Args:
+        matrix: The matrix, shape [m, m].
+
+    Returns:
+        The tiles of L^-1, whose last rows are those of the unit matrix, shape [k, k, TILE, TILE].
+
+    Raises:
+        LinAlgError: The matrix is not positive definite.
+    """
+    count = -(-len(matrix) // TILE)
+    unit = np.eye(count * TILE)
+    whole = unit.copy()
+    whole[: len(matrix), : len(matrix)] = matrix
+    rest, found = (array.reshape(count, TILE, count, TILE).swapaxes(1, 2).copy() for array in (whole, unit))
+    for k in range(count):
+        inverse = np.linalg.inv(np.linalg.cholesky(rest[k, k]))
+        found[k, : k + 1] = inverse @ found[k, : k + 1]
+        below = rest[k + 1 :, k] @ inverse.T
+        across = below.swapaxes(1, 2).copy()
+        for column in range(len(below)):
+            rest[k + 1 + column :, k + 1 + column] -= below[column:] @ across[column]
+        found[k + 1 :, : k + 1] -= below[:, None] @ found[k, : k + 1]
+    return found
+
+
+def _gram(factor: np.ndarray, size: int) -> np.ndarray:
+    """The lower triangle of F^T F, shape [size, size], of the tiles of a lower triangular F, shape [k, k, b, b]."""
+    product = np.zeros_like(factor)
+    for k in range(len(factor)):
+        row = factor[k, : k + 1]
+        # a copy, so that a tile times itself is a product of two
+        for i, tile in enumerate(row.swapaxes(1, 2).copy()):
+            product[i, : i + 1] += tile @ row[: i + 1]
+    rows = TILE * len(factor)
+    return np.tril(product.swapaxes(1, 2).reshape(rows, rows)[:size, :size])

@@ -11,8 +11,8 @@ Bulgakov & Kuhn, and coarse spaces of them from Nicolaides and from Vanek et al.
 out: it saves less than it costs here.
 
 P^T A P is found from products with A: aggregates without a common neighbour move in the same product (Curtis et al.).
-Its dense inverse, a block for each body, is computed on the host. It remains good while a body bends and dt changes, so
-that it is rebuilt only when that pays.
+Its dense inverse, a block for each body, is computed on the host, to the same bits on any number of cores. It remains
+good while a body bends and dt changes, so that it is rebuilt only when that pays.
 
 References:
     Toselli, A. and Widlund, O., Domain Decomposition Methods, Springer (2005), chapters 2 and 3.
