@@ -46,8 +46,8 @@ def test_elastica() -> None:
 
 def test_steel_bar() -> None:
     errors = main_of("steel_bar.py")(quick=True)
-    assert abs(errors["frequency"]) < 0.015
-    assert abs(errors["deflection"]) < 0.015
+    assert abs(errors["frequency"]) < 0.008
+    assert abs(errors["deflection"]) < 0.008
 
 
 @pytest.mark.long
