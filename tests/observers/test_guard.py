@@ -8,6 +8,7 @@ import json
 import numpy as np
 import pytest
 
+from tests.coupling.scenes import lump, pool
 from tests.fluid.scenes import L0, tank
 from tests.observers.views import REST, FakeView, blocks, view_of
 from warp_mps.errors import RunError
@@ -190,7 +191,28 @@ def test_a_last_moment_off_the_grid_is_judged_and_not_kept(view: FakeView) -> No
         look(guard, view, kinetic=1.5)
 
 
-@pytest.mark.parametrize("record", [None, {}, [1.0], {"start": "a"}, {"start": np.nan}])
+NONE = [None, {}, [1.0], {"all": {"start": "a"}}, {"all": {"start": np.nan}}, {"all": 1.0}]
+
+
+@pytest.mark.parametrize("record", NONE)
 def test_records_that_are_none_are_refused(guard: Guard, record: object) -> None:
-    with pytest.raises(ValueError, match=r"start is .*, must be a finite number"):
+    with pytest.raises(ValueError, match=r"start is .* a finite number|what the guard has seen is .*, must be"):
         guard.restore(record)
+
+
+def test_bodies_in_water_are_judged_without_what_water_may_do() -> None:
+    """Beside the weight of the water a gain of light bodies would not be seen, also not in a second part of the run."""
+    water = view_of(pool(lump([3, 3], [4, 3])))
+    energies = [1e-3 * WEIGHT * size for size in (1.0, 1.08, 1.16)]
+    guard = Guard(every=1, time_step=1e-4)
+    for kinetic in energies[:2]:
+        water.energy = water.energy_of_bodies = dataclasses.replace(REST, kinetic=kinetic)
+        guard.observe(water)
+    second = Guard(every=1, time_step=1e-4)
+    second.restore(json.loads(json.dumps(guard.record())))
+    water.energy = water.energy_of_bodies = dataclasses.replace(REST, kinetic=energies[2])
+    expected = r"the energy balance of the bodies has grown by .* m/s; the bodies have become unstable in the water"
+    with pytest.raises(RunError, match=expected):
+        second.observe(water)
+    water.energy_of_bodies = None
+    Guard(every=1, time_step=1e-4).observe(water)

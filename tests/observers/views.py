@@ -38,6 +38,7 @@ class FakeView:
     total_steps: int = 100
     substeps: int = 1
     energy: Energy = REST
+    energy_of_bodies: Energy | None = None
     displacements: np.ndarray = field(init=False)
     velocities: np.ndarray = field(init=False)
     rotations: np.ndarray = field(init=False)

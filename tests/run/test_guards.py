@@ -255,6 +255,22 @@ def test_a_fluid_whose_energy_grows(
     assert re.search(rf"the energy balance has grown by .*; the fastest particle is {PLACE} at .* m/s; the flow", line)
 
 
+@pytest.mark.parametrize("way", WAYS)
+def test_a_body_in_water_whose_energy_grows(
+    way: dict, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """By a part of what still water may gain."""
+
+    def push(simulation: Simulation) -> None:
+        v = simulation.solid.state.v.numpy().copy()
+        v[:, 0] += 0.1
+        simulation.solid.state.v.assign(v)
+
+    poke(monkeypatch, 0.055, push)
+    line = failed(gate(**way), tmp_path, capsys)
+    assert re.search(rf"the energy balance of the bodies has grown by .* at 0\.07 s .*{PLACE}.*; the bodies have", line)
+
+
 def test_a_fluid_whose_steps_collapse(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -187,8 +187,8 @@ def test_the_wall_time_is_that_of_all_parts(folder: Path) -> None:
 @pytest.mark.parametrize(
     ("changes", "reason"),
     [
-        ({"guard": {"start": 0.0}}, "dissipated is None, must be a finite number"),
-        ({"guard": None}, "start is None, must be"),
+        ({"guard": {"all": {"start": 0.0}}}, "dissipated is None, must be a finite number"),
+        ({"guard": None}, "what the guard has seen is None, must be"),
         ({"momentum": {"resultant": "a", "magnitude": 1.0}}, "resultant is 'a', must be"),
         ({"wall_seconds": [1.0]}, r"wall_seconds is \[1\.0\], must be"),
     ],

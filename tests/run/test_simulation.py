@@ -18,7 +18,7 @@ import warp as wp
 
 from tests.bits import assert_same_bits, states
 from tests.scenes import block, scene_of, short_run
-from warp_mps.errors import InputError
+from warp_mps.errors import InputError, RunError
 from warp_mps.run.simulation import Simulation
 from warp_mps.run.steps import BLOCK
 from warp_mps.scene import Body, Contact, HarmonicMotion, Load, Scene, Support, TableMotion
@@ -255,6 +255,15 @@ def test_stepping_by_hand() -> None:
     for moment in (149e-6, float("nan")):
         with pytest.raises(InputError, match=r"time: is .* s, must be finite and not before 0.00015 s"):
             simulation.step_to(moment)
+
+
+@pytest.mark.parametrize("name", ["v", "dissipated"])
+def test_a_run_whose_end_is_not_finite_fails_without_observers(name: str) -> None:
+    simulation = short_run(3)
+    array = getattr(simulation.solid.state, name)
+    array.assign(np.full_like(array.numpy(), np.nan))
+    with pytest.raises(RunError, match=r"is not finite at 3e-06 s \(step 3\)$|is turned inside out"):
+        simulation.run()
 
 
 def test_what_is_read_cannot_be_written_to() -> None:

@@ -198,6 +198,13 @@ class Hydroelastic:
             dissipated=wet.dissipated + dry.dissipated,
         )
 
+    def energy_of_bodies(self) -> Energy:
+        """Energies of the bodies alone; the work is that of water, walls, supports and loads on them."""
+        dry = self.solid.energy()
+        pressed, collided, _ = (float(work.numpy().sum()) for work in self.step.works)
+        # implicit steps count the work of pressures as external; supports take up collisions on the axes that they hold
+        return replace(dry, work=dry.work + collided + (0.0 if self.implicit else pressed))
+
     def trouble(self) -> str | None:
         """Why the run cannot go on, if it cannot."""
         return self.fluids.trouble() or self.solid.trouble()

@@ -139,3 +139,7 @@ class ElasticSystem(ABC):
     def energy(self) -> Energy:
         """Energies of the present state [J], in 2-D [J/m]."""
         return self.readings.energy()
+
+    def energy_of_bodies(self) -> Energy | None:
+        """None: there is no water."""
+        return None

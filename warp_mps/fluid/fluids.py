@@ -163,3 +163,6 @@ class Fluids:
     def energy(self) -> Energy:
         """Energies of the fluid [J], in 2-D [J/m]."""
         return self.readings.energy()
+
+    def energy_of_bodies(self) -> None:
+        """None: there are no bodies."""

@@ -132,6 +132,10 @@ class View(Protocol):
     def energy(self) -> Energy:
         """Energies of all particles."""
 
+    @property
+    def energy_of_bodies(self) -> Energy | None:
+        """Energies of elastic bodies in water alone, on which the water does work; None if either is missing."""
+
     def state_arrays(self) -> dict[str, np.ndarray]:
         """Everything that evolves, as host arrays of their own (later steps do not change them)."""
 

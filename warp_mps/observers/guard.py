@@ -8,10 +8,12 @@ import numpy as np
 
 from warp_mps.errors import RunError
 from warp_mps.observers.base import Observer, View
-from warp_mps.observers.causes import probable_cause
+from warp_mps.observers.causes import plain_cause, probable_cause
 from warp_mps.observers.energy_account import EnergyAccount
-from warp_mps.results.energy import ENERGY_NAMES
+from warp_mps.results.energy import ENERGY_NAMES, Energy
 
+# What the accounts are of: all particles, and bodies in water alone.
+ALL, BODIES = "all", "bodies"
 # The energy balance may grow by this part of the largest kinetic, elastic and contact energy, or of the work, that was
 # exchanged while it grew.
 ALLOWED_GROWTH = 0.1
@@ -54,7 +56,7 @@ class Guard(Observer):
         self.every = every
         self._look_at_energy = energy
         self._time_step, self._limit, self._body_force = time_step, limit, body_force
-        self._account: EnergyAccount | None = None
+        self._accounts: dict[str, EnergyAccount] = {}
 
     def observe(self, view: View) -> None:
         """Look at positions, velocities and energies.
@@ -62,13 +64,14 @@ class Guard(Observer):
         Raises:
             RunError: A position, a velocity or an energy is not finite, or energy has come from nowhere.
         """
-        self._check_finite(view)
+        if (found := find_not_finite(view)) is not None:
+            raise RunError(f"{found}; {self._cause(view)}")
         if self._look_at_energy:
             self._check_energy(view)
 
-    def record(self) -> dict[str, float]:
+    def record(self) -> dict[str, dict[str, float]]:
         """What it has seen so far, as JSON can hold it, for a checkpoint."""
-        return self._account.record() if self._account else {}
+        return {name: account.record() for name, account in self._accounts.items()}
 
     def restore(self, record: object) -> None:
         """Go on from what `record` gave, so that a run in parts is judged like one that was never interrupted.
@@ -76,62 +79,73 @@ class Guard(Observer):
         Raises:
             ValueError: It is not such a record.
         """
-        self._account = EnergyAccount.restored(record) if self._look_at_energy else None
-
-    def _check_finite(self, view: View) -> None:
-        for name, values in (("position", view.positions), ("velocity", view.velocities)):
-            bad = np.flatnonzero(~np.isfinite(values).all(axis=1))
-            if len(bad):
-                place = view.particles.describe(int(bad[0]))
-                raise RunError(f"the {name} of {place} is not finite at {_moment(view)}; {self._cause(view)}")
-        for name, label in ENERGY_NAMES.items():
-            value = getattr(view.energy, name)
-            if not np.isfinite(value):
-                what = f"{label} energy" if name == "dissipated" else label
-                raise RunError(f"the {what} is not finite at {_moment(view)}; {self._cause(view)}")
+        if not isinstance(record, dict) or (self._look_at_energy and ALL not in record):
+            raise ValueError(f"what the guard has seen is {record!r}, must be numbers by name")
+        self._accounts = {str(name): EnergyAccount.restored(account) for name, account in record.items()}
 
     def _check_energy(self, view: View) -> None:
-        energy = view.energy
-        account = self._account.after(energy) if self._account else EnergyAccount.opened(energy)
-        rounding = ROUNDING * account.scale
+        # the balance of bodies alone closes without what water needs
+        if view.energy_of_bodies is not None:
+            self._judge(view, BODIES, view.energy_of_bodies)
         settling, stirring = _slack(view, self._body_force)
+        self._judge(view, ALL, view.energy, settling=settling, stirring=stirring)
+
+    def _judge(self, view: View, part: str, energy: Energy, *, settling: float = 0.0, stirring: float = 0.0) -> None:
+        """Judge the energies of all particles, or of the bodies."""
+        before = self._accounts.get(part)
+        account = before.after(energy) if before else EnergyAccount.opened(energy)
+        rounding, unit = ROUNDING * account.scale, "J/m" if view.scene.dimension == 2 else "J"
+        of_part = "" if part == ALL else f" of the {part}"
         gain, surplus = account.gain(energy), account.surplus(energy)
         if gain > ALLOWED_GROWTH * account.exchanged + rounding + settling:
-            unit = _unit(view)
             self._stop(
                 view,
-                f"the energy balance has grown by {gain:.3g} {unit} since it was least (largest kinetic, elastic and "
-                f"contact energy or work since then: {account.exchanged:.3g} {unit})",
+                part,
+                f"the energy balance{of_part} has grown by {gain:.3g} {unit} since it was least (largest kinetic, "
+                f"elastic and contact energy or work since then: {account.exchanged:.3g} {unit})",
             )
         if surplus > ALLOWED_GROWTH * account.most + rounding + stirring:
-            unit = _unit(view)
             self._stop(
                 view,
-                f"the kinetic, elastic and contact energy of {energy.exchanged:.3g} {unit} is {surplus:.3g} {unit} "
-                "more than the start, work and potential energy have given",
+                part,
+                f"the kinetic, elastic and contact energy{of_part} of {energy.exchanged:.3g} {unit} is {surplus:.3g} "
+                f"{unit} more than the start, work and potential energy have given",
             )
         # the last moment of a run may lie off the grid, where a run that goes on from there would not look
         if view.step % self.every == 0:
-            self._account = account
+            self._accounts[part] = account
 
-    def _stop(self, view: View, finding: str) -> None:
-        fastest = int(np.argmax(np.linalg.norm(view.velocities, axis=1)))
-        speed = float(np.linalg.norm(view.velocities[fastest]))
+    def _stop(self, view: View, part: str, finding: str) -> None:
+        speeds = np.linalg.norm(view.velocities[: None if part == ALL else view.particles.elastic], axis=1)
+        fastest = int(np.argmax(speeds))
+        cause = None if part == ALL else "the bodies have become unstable in the water; a smaller CFL number may help"
         raise RunError(
             f"{finding} at {_moment(view)}; the fastest particle is {view.particles.describe(fastest)} at "
-            f"{speed:.3g} m/s; {self._cause(view)}"
+            f"{float(speeds[fastest]):.3g} m/s; {self._cause(view, cause)}"
         )
 
-    def _cause(self, view: View) -> str:
-        return probable_cause(view, time_step=self._time_step, limit=self._limit)
+    def _cause(self, view: View, otherwise: str | None = None) -> str:
+        """The probable cause, or another one unless it is a plain one."""
+        steps = {"time_step": self._time_step, "limit": self._limit}
+        if otherwise is None:
+            return probable_cause(view, **steps)
+        return plain_cause(view, **steps) or otherwise
+
+
+def find_not_finite(view: View) -> str | None:
+    """The first position, velocity or energy that is NaN or infinite, and when; None if there is none."""
+    for name, values in (("position", view.positions), ("velocity", view.velocities)):
+        bad = np.flatnonzero(~np.isfinite(values).all(axis=1))
+        if len(bad):
+            return f"the {name} of {view.particles.describe(int(bad[0]))} is not finite at {_moment(view)}"
+    for name, label in ENERGY_NAMES.items():
+        if not np.isfinite(getattr(view.energy, name)):
+            return f"the {label}{' energy' * (name == 'dissipated')} is not finite at {_moment(view)}"
+    return None
 
 
 def _moment(view: View) -> str:
     return f"{view.time:.6g} s (step {view.step})"
-
-
-def _unit(view: View) -> str:
-    return "J/m" if view.scene.dimension == 2 else "J"
 
 
 def _slack(view: View, body_force: float) -> tuple[float, float]:

@@ -128,6 +128,11 @@ class Readings:
         """Energies of all particles [J], in 2-D [J/m]."""
         return self._once("energy", self._system.energy)
 
+    @property
+    def energy_of_bodies(self) -> Energy | None:
+        """Energies of elastic bodies in water alone, on which the water does work [J]; None if either is missing."""
+        return self._once("energy of bodies", self._system.energy_of_bodies)
+
     def _once(self, name: str, read: Callable[[], Any]) -> Any:
         with warp_turn:
             return self._read[name] if name in self._read else self._keep(name, read())

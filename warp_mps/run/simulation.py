@@ -13,6 +13,7 @@ from warp_mps.core.warp_turn import warp_turn
 from warp_mps.errors import InputError, RunError
 from warp_mps.observers.base import Observer, closing
 from warp_mps.observers.causes import plain_cause
+from warp_mps.observers.guard import find_not_finite
 from warp_mps.particles.filling import fill_scene
 from warp_mps.run.cost import refuse_too_large
 from warp_mps.run.device_arrays import device_arrays
@@ -241,7 +242,7 @@ class Simulation(Readings):
         """Advance to the end, showing the run to observers on the way; they are closed whatever happens.
 
         Raises:
-            RunError: The run cannot go on, as the simulation or an observer has found.
+            RunError: The run cannot go on, as the simulation or an observer has found, or its end is not finite.
         """
         with closing(observers):
             triggers = [Trigger(self.clock, observer.every, observer.interval) for observer in observers]
@@ -253,6 +254,8 @@ class Simulation(Readings):
                 except RunError as error:
                     raise RunError(self._explained(str(error))) from error
                 self._show(observers, triggers)
+            if (found := find_not_finite(self)) is not None:
+                raise RunError(self._explained(found))
 
     def state_arrays(self) -> dict[str, np.ndarray]:
         """Everything that evolves, as host copies; `restore` continues from them to the same bits."""

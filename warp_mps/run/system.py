@@ -57,6 +57,9 @@ class System(Protocol):
     def energy(self) -> Energy:
         """Energies of all particles."""
 
+    def energy_of_bodies(self) -> Energy | None:
+        """Energies of elastic bodies in water alone, on which the water does work; None if either is missing."""
+
     def trouble(self) -> str | None:
         """Why the run must stop, without the time; None if it need not."""
 
