@@ -132,8 +132,10 @@ def test_check_says_how_much_of_a_fluid_gives_way(tmp_path: Path, capsys: pytest
 def test_a_shorter_run_leaves_out_what_comes_later(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["check", "dam_break_elastic_gate", "--duration", "0.1"]) == 0
     line = capsys.readouterr().err
-    assert line.startswith("warp-mps: not measured, because the run ends at 0.1 s: shift at 0.12 s, shift at 0.20 s")
+    assert line.startswith("warp-mps: not measured, because the run ends at 0.1 s: farthest shift of the free end, ")
+    assert "shift at 0.12 s, shift at 0.20 s" in line
     assert "0.08" not in line
+    assert line.endswith("volume at the end\n")
     assert main(["check", "dam_break_elastic_gate", "--duration", "0.4"]) == 0
     assert capsys.readouterr().err == ""
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -15,8 +16,9 @@ from warp_mps.results.summary import RunSummary, energy_record, measurement_rows
 from warp_mps.scene import Measurement, Probe, Scene
 
 
-def scene(*measurements: Measurement) -> Scene:
-    return blocks(probes=(Probe(name="tip", point=(0.0, 0.0)),), measurements=measurements)
+def scene(*measurements: Measurement, duration: float = 0.2) -> Scene:
+    made = blocks(probes=(Probe(name="tip", point=(0.0, 0.0)),), measurements=measurements)
+    return replace(made, duration=duration)
 
 
 def history(*energies: tuple[float, ...]) -> History:
@@ -28,9 +30,10 @@ def history(*energies: tuple[float, ...]) -> History:
     return History([TIME_LABEL, "tip.x [m]", "tip.y [m]", *energy_labels(2)], rows)
 
 
-def row(**options: object) -> dict:
+def row(duration: float = 0.2, **options: object) -> dict:
     options = {"measure": "maximum", "component": 1, "unit": "m", "source": "by hand"} | options
-    (result,) = measurement_rows(scene(Measurement(name="rise", probe="tip", **options)), history())  # type: ignore[arg-type]
+    measurement = Measurement(name="rise", probe="tip", **options)  # type: ignore[arg-type]
+    (result,) = measurement_rows(scene(measurement, duration=duration), history())
     return result
 
 
@@ -46,7 +49,29 @@ def test_errors_are_signed_and_relative_to_the_size_of_the_reference() -> None:
     assert row(reference=None)["error"] is None
 
 
-@pytest.mark.parametrize("options", [{"measure": "frequency", "unit": "rad/s"}, {"start": 0.9}])
+@pytest.mark.parametrize(
+    ("options", "needed"),
+    [
+        *(({"measure": measure}, 2.0) for measure in ("maximum", "mean", "final", "offset", "half_range")),
+        ({"measure": "minimum", "end": 1.5}, 1.5),
+        ({"measure": "value_at", "at": 0.3}, 0.3),
+        ({"measure": "time_at", "at": 2.0, "unit": "s", "start": 0.5}, 0.5),
+    ],
+)
+def test_a_run_that_ended_early_is_not_compared_with_a_reference_for_later(options: dict, needed: float) -> None:
+    """Of a case of 2 s there is a history of 0.2 s."""
+    result = row(duration=2.0, reference=1.0, **options)
+    assert (result["value"], result["error"]) == (None, None)
+    assert result["reason"] == f"not reached: it needs the run up to {needed:g} s, which ended at 0.2 s"
+
+
+def test_what_a_run_that_ended_early_has_covered_counts() -> None:
+    assert row(duration=2.0, end=0.1)["value"] == 3.0
+    assert row(duration=2.0, measure="value_at", at=0.05)["value"] == pytest.approx(2.0)
+    assert row(duration=2.0, measure="time_at", at=2.0, unit="s")["value"] == pytest.approx(0.05)
+
+
+@pytest.mark.parametrize("options", [{"measure": "frequency", "unit": "rad/s"}, {"start": 0.17, "end": 0.19}])
 def test_what_cannot_be_drawn_has_no_value_and_says_why(options: dict) -> None:
     result = row(reference=1.0, **options)
     assert result["value"] is None

@@ -226,12 +226,16 @@ def _read(case: str, changes: Sequence[str], duration: float | None, *, allow_ex
 
 
 def _lasting(scene: Any, duration: float) -> Any:
-    """A scene with a new duration [s]; measurements that need later times are dropped, and a line names them."""
+    """A scene with a new duration [s]; measurements that need later times are dropped, and a line names them.
+
+    One whose window is open ends where the case does, and its reference is the value up to there.
+    """
     from dataclasses import replace
 
-    from warp_mps.scene.validation.probes import is_past
+    from warp_mps.results.measures import used_until
 
-    kept = [item for item in scene.measurements if not is_past(item, duration)]
+    last = min(duration, scene.duration)
+    kept = [item for item in scene.measurements if used_until(item, scene.duration) <= last and item.start < last]
     shortened = replace(scene, duration=duration, measurements=tuple(kept))
     left_out = [item.name for item in scene.measurements if item not in kept]
     if left_out:

@@ -35,6 +35,8 @@ if TYPE_CHECKING:
     from warp_mps.scene import Measurement
 
 CONTACT_THRESHOLD = 1e-9
+# relative rounding of the time at which a run ends
+END_ROUNDING = 1e-6
 # Relative residual of the fit with one frequency below which a second frequency would fit noise.
 NOTHING_LEFT = 1e-9
 
@@ -59,6 +61,38 @@ def evaluate(measurement: Measurement, times: np.ndarray, values: np.ndarray) ->
         return _AT[measurement.measure](times, values, measurement.at)
     value = _MEASURES[measurement.measure](times, values)
     return value / (2.0 * np.pi) if measurement.measure == "frequency" and measurement.unit == "Hz" else value
+
+
+def used_until(measurement: Measurement, duration: float) -> float:
+    """Time up to which a measurement uses the history of a run [s].
+
+    A `time_at` only needs the history to begin: it is found as soon as the value is reached.
+
+    Args:
+        measurement: The measurement.
+        duration: Duration of the case [s], at which the window of a measurement without an end closes.
+    """
+    if measurement.measure == "time_at":
+        return measurement.start
+    if measurement.measure == "value_at" and measurement.at is not None:
+        return measurement.at
+    return duration if measurement.end is None else min(measurement.end, duration)
+
+
+def require_history(measurement: Measurement, duration: float, end: float) -> None:
+    """Require that a history goes as far as a measurement uses it.
+
+    Args:
+        measurement: The measurement.
+        duration: Duration of the case [s].
+        end: Time of the last row [s].
+
+    Raises:
+        ValueError: It ends earlier, as that of a run that has failed or was interrupted.
+    """
+    needed = used_until(measurement, duration)
+    if end < needed * (1.0 - END_ROUNDING):
+        raise ValueError(f"not reached: it needs the run up to {needed:g} s, which ended at {end:g} s")
 
 
 def _window(measurement: Measurement, times: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

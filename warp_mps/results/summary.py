@@ -13,7 +13,7 @@ from warp_mps.results.atomic_write import write_whole
 from warp_mps.results.energy import ENERGY_NAMES
 from warp_mps.results.formatting import duration, finite, percent
 from warp_mps.results.history import History
-from warp_mps.results.measures import evaluate
+from warp_mps.results.measures import evaluate, require_history
 from warp_mps.results.regular_file import read_regular
 from warp_mps.results.summary_check import ABSENT, wrong_item
 
@@ -147,12 +147,12 @@ def measurement_rows(scene: Scene, history: History) -> list[dict[str, Any]]:
         A row for each: ``name, value, unit, reference, error, source``, and how it was drawn: the ``measure``, the
         ``column`` of probes.csv, the ``window`` of time [s], whose end may be None, and ``at``. The error is
         (value - reference)/|reference|, None without a reference or where it is 0. A value that cannot be drawn is
-        None, and ``reason`` then says why.
+        None, and ``reason`` then says why: a run that ended early is not compared with a reference for a later time.
     """
-    return [_row(measurement, history) for measurement in scene.measurements]
+    return [_row(measurement, history, scene.duration) for measurement in scene.measurements]
 
 
-def _row(measurement: Measurement, history: History) -> dict[str, Any]:
+def _row(measurement: Measurement, history: History, duration: float) -> dict[str, Any]:
     row: dict[str, Any] = {
         "name": measurement.name,
         "value": None,
@@ -168,6 +168,7 @@ def _row(measurement: Measurement, history: History) -> dict[str, Any]:
     try:
         row["column"] = history.label(measurement.probe, measurement.component)
         values = history.probe(measurement.probe, measurement.component)
+        require_history(measurement, duration, history.last_time)
         row["value"] = evaluate(measurement, history.times, values)
     except (ValueError, KeyError) as error:
         row["reason"] = str(error.args[0])

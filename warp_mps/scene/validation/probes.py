@@ -99,12 +99,6 @@ def check_measurement(scene: Scene, measurement: Measurement) -> None:
         positive(measurement.frequency, where, "frequency")
 
 
-def is_past(measurement: Measurement, end: float) -> bool:
-    """Whether a measurement uses the history after a time [s]."""
-    late = measurement.measure == "value_at" and measurement.at is not None and measurement.at > end
-    return late or measurement.start >= end
-
-
 def names_of_bodies(names: Iterable[str], scene: Scene, where: str, attribute: str) -> None:
     """Refuse names that are of no elastic body.
 
