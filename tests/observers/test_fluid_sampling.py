@@ -110,6 +110,32 @@ def test_elevation_of_a_wave_and_of_a_dry_bottom() -> None:
     assert value(view, point=(1.0, -0.02), quantity="elevation") == pytest.approx([-0.02])
 
 
+@pytest.mark.parametrize("dimension", [2, 3])
+@pytest.mark.parametrize("wet", [True, False])
+def test_spray_is_no_surface(dimension: int, wet: bool) -> None:
+    """A clump of 3 x 3 (x 3) particles, as dense as water, flies above the water or over a dry bottom."""
+    view = at_rest(pool(dimension))
+    place = np.array([0.003 if wet else 1.0, 0.9, 0.02][:dimension])
+    clump = np.stack(np.meshgrid(*[SPACING * np.arange(-1, 2)] * dimension), axis=-1).reshape(-1, dimension)
+    taken = np.flatnonzero(view.positions[:, 1] < 0.1)[-len(clump) :]
+    view.displacements[taken] += place + clump - view.positions[taken]
+    probe = {"point": [place[0], 0.0, 0.02][:dimension], "quantity": "elevation"}
+    assert value(view, **probe) == pytest.approx([DEPTH if wet else 0.0], abs=0.05 * SPACING)
+
+
+def test_water_that_is_thrown_up_is_its_surface() -> None:
+    """A jet of a quarter of the water, above a gap; and a tongue that hangs over, held by the water behind it."""
+    view = at_rest(pool())
+    jet = view.positions[:, 1] > 0.75 * DEPTH
+    view.displacements[jet, 1] += 0.2
+    assert value(view, point=(0.0, 0.0), quantity="elevation") == pytest.approx([DEPTH + 0.2], abs=0.1 * SPACING)
+    view = at_rest(pool())
+    x, y = view.positions.T
+    hollow = (x > 0.0) & (y > 0.1) & (y < 0.26)
+    view.displacements[hollow, 0] -= WIDTH
+    assert value(view, point=(0.1, 0.0), quantity="elevation") == pytest.approx([DEPTH], abs=0.25 * SPACING)
+
+
 def test_elevation_is_along_gravity() -> None:
     """In a pool that lies on its side, the height counts against gravity from the origin."""
     scene = pool(gravity=(GRAVITY, 0.0))

@@ -6,8 +6,8 @@ With the weight w(r) = (1 - r/r_e)^2 of the effective radius r_e, at a point x t
 - ``pressure``: sum_j w (p_j + rho g . (x - x_j)) / sum_j w, the mean of what each particle's pressure is at the point's
   height, so that it is exact in water at rest, also on a wall, to one side of which all particles lie; where pressures
   are clipped, at least 0.
-- ``elevation``: the highest level along the line through x against gravity where the fluid's density, smoothed with
-  `_smooth`, is half of its largest on the line. On a plane surface that is half a spacing above its particles.
+- ``elevation``: the level of the free surface on the line through x along gravity, without detached spray, and that of
+  x where the line is dry (`warp_mps.observers.surface_level`).
 
 Over a region both are the plain mean over the fluid particles that lie in it.
 """
@@ -20,16 +20,13 @@ import numpy as np
 
 from warp_mps.observers.base import View
 from warp_mps.observers.rigid_point import rigid_point
+from warp_mps.observers.surface_level import surface_level
 from warp_mps.particles.particles import Particles
 from warp_mps.particles.selection import REGION_TOLERANCE
 from warp_mps.scene import Probe, Scene
 from warp_mps.shapes import Shape, contains
 
 Sample = Callable[[View], np.ndarray]
-# reach of the smoothed density, in particle spacings, which keeps single drops out, and points a spacing at which it is
-# looked at
-SURFACE_REACH = 2.5
-SURFACE_POINTS = 4
 
 
 def sample_of_fluid(probe: Probe, scene: Scene, particles: Particles) -> Sample:
@@ -85,24 +82,6 @@ def _shepard(quantity: str, view: View, fluid: slice, point: np.ndarray, reach: 
 
 
 def _elevation(positions: np.ndarray, point: np.ndarray, scene: Scene) -> np.ndarray:
-    spacing = scene.fluids[0].spacing
     gravity = np.asarray(scene.gravity, float)
     up = -gravity / np.linalg.norm(gravity)
-    arms = positions - point
-    heights = arms @ up
-    beside = np.sum(arms**2, axis=1) - heights**2
-    column = beside < (SURFACE_REACH * spacing) ** 2
-    if not np.any(beside < spacing**2):
-        return np.atleast_1d(point @ up)
-    heights, beside = heights[column], beside[column] / spacing**2
-    levels = np.arange(heights.max() + SURFACE_REACH * spacing, heights.min(), -spacing / SURFACE_POINTS)
-    density = _smooth(((levels[:, None] - heights) / spacing) ** 2 + beside).sum(axis=1)
-    half = 0.5 * density.max()
-    k = int(np.argmax(density >= half))
-    part = (density[k] - half) / (density[k] - density[k - 1]) if k else 0.0
-    return np.atleast_1d(point @ up + levels[k] + part * spacing / SURFACE_POINTS)
-
-
-def _smooth(squares: np.ndarray) -> np.ndarray:
-    """The kernel (1 - (r/R)^2)^3 of the squared distance, R the reach, both in spacings."""
-    return np.maximum(1.0 - squares / SURFACE_REACH**2, 0.0) ** 3
+    return np.atleast_1d(surface_level(positions, point, up, scene.fluids[0].spacing))
