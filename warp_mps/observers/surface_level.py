@@ -1,6 +1,6 @@
 """Level of the free surface on a line along gravity, without spray.
 
-The fluid's density along the line, smoothed with the kernel (1 - (r/R)^2)^3 of R = 2.5 spacings, is at least half of its
+The density of the fluid along the line, smoothed with (1 - (r/R)^2)^3 and R = 2.5 spacings, is at least half of its
 largest over one or several intervals. The level is the upper end of the highest one that holds water: on a plane
 surface that is half a spacing above its particles.
 
