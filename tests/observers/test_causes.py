@@ -8,18 +8,20 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.fluid.scenes import tank
+from tests.fluid.scenes import periodic_box, tank
 from tests.observers.views import blocks, view_of
 from warp_mps.observers.causes import probable_cause
 from warp_mps.scene import Contact, Flow, Scene
 
 
-def cause(scene: Scene, *, time_step: float = 1e-4, limit: float = 2e-4, wall: float = 0.0) -> str:
+def cause(
+    scene: Scene, *, time_step: float = 1e-4, limit: float = 2e-4, wall: float = 0.0, closed: bool = False
+) -> str:
     """The cause in a scene, with the speed of its first wall [m/s]."""
     view = view_of(scene)
     for first, end in view.particles.ranges[len(scene.bodies) : len(scene.bodies) + 1]:
         view.velocities[first:end, 0] = wall
-    return probable_cause(view, time_step=time_step, limit=limit)
+    return probable_cause(view, time_step=time_step, limit=limit, closed=closed)
 
 
 def test_a_body_that_starts_faster_than_waves_in_it() -> None:
@@ -64,3 +66,11 @@ def test_water_that_starts_and_walls_that_move_too_fast() -> None:
 )
 def test_settings_of_a_flow(flow: dict, expected: str) -> None:
     assert re.match(expected, cause(tank((8, 8), flow=Flow(**flow))))
+
+
+def test_a_fluid_without_a_free_surface_takes_another_scheme() -> None:
+    expected = "the scheme 'conservative' with negative pressures 'allowed' stirs a fluid that fills its walls: take "
+    assert cause(tank((8, 8), flow=Flow(negative_pressure="allowed")), closed=True).startswith(expected)
+    right = tank((8, 8), flow=Flow(scheme="corrected", negative_pressure="allowed"))
+    assert cause(right, closed=True).startswith("the flow has become unstable")
+    assert cause(periodic_box((12, 12), flow=Flow(scheme="corrected")), closed=True).startswith("the flow has become")

@@ -65,6 +65,25 @@ def test_settings_that_lift_still_water_are_named(flow: dict, cause: str, tmp_pa
         run_scene(scene, tmp_path, quiet=True)
 
 
+def full(**flow: object) -> Scene:
+    """A tank of still water that it fills up to its lid."""
+    scene = pond("conservative", duration=4.0)
+    walls = tank((0.0, 0.0), (ROWS * L0, DEPTH), L0, open=())
+    return replace(scene, walls=walls, flow=Flow(**flow))  # type: ignore[arg-type]
+
+
+def test_water_that_fills_its_walls_rests_in_the_other_scheme(tmp_path: Path) -> None:
+    expected = (
+        "the scheme 'conservative' with negative pressures 'clipped' stirs a fluid that fills its walls: take "
+        "'corrected' and 'allowed'"
+    )
+    with pytest.raises(RunError) as caught:
+        run_scene(full(), tmp_path / "out", quiet=True)
+    assert str(caught.value).endswith(expected)
+    remedy = full(scheme="corrected", negative_pressure="allowed")
+    assert run_scene(remedy, tmp_path / "other", quiet=True).energy["kinetic"] < 1e-4
+
+
 def test_a_wave_that_grows_ends_the_run(tmp_path: Path) -> None:
     """It had 23 times its energy after 3 s."""
     with pytest.raises(RunError, match=r"take 'conservative'$"):

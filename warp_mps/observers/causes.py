@@ -12,17 +12,21 @@ from warp_mps.scene import Flow, Scene
 
 # an incompressible liquid is good up to a tenth of the speed of sound in water [m/s]
 FASTEST_LIQUID = 150.0
+# scheme and negative pressures with which a fluid that fills its walls rests
+FOR_CLOSED = ("corrected", "allowed")
 
 
-def probable_cause(view: View, *, time_step: float, limit: float) -> str:
+def probable_cause(view: View, *, time_step: float, limit: float, closed: bool = False) -> str:
     """The first cause that applies, and what to do about it.
 
     Args:
         view: The run when it diverged.
         time_step: Time step of the run, of fluids the longest [s].
         limit: Stability limit of explicit steps at the start [s].
+        closed: Whether fluids started without a free surface.
     """
-    of_method = _of_fluids(view.scene) if view.particles.liquid else _of_bodies(view.scene, time_step, limit)
+    scene = view.scene
+    of_method = _of_fluids(scene, closed=closed) if scene.fluids else _of_bodies(scene, time_step, limit)
     return plain_cause(view, time_step=time_step, limit=limit) or of_method
 
 
@@ -60,9 +64,15 @@ def _of_bodies(scene: Scene, time_step: float, limit: float) -> str:
     )
 
 
-def _of_fluids(scene: Scene) -> str:
+def _of_fluids(scene: Scene, *, closed: bool) -> str:
     flow, usual = scene.flow, Flow()
-    if flow.scheme != usual.scheme:
+    if closed and scene.walls and (flow.scheme, flow.negative_pressure) != FOR_CLOSED:
+        scheme, pressures = FOR_CLOSED
+        return (
+            f"the scheme '{flow.scheme}' with negative pressures '{flow.negative_pressure}' stirs a fluid that fills "
+            f"its walls: take '{scheme}' and '{pressures}'"
+        )
+    if flow.scheme != usual.scheme and not closed:
         return (
             f"the scheme '{flow.scheme}' does not conserve momentum, and stirs water beside walls and below a free "
             f"surface: take '{usual.scheme}'"

@@ -39,6 +39,7 @@ class Guard(Observer):
         every: Steps between two looks.
         time_step: Time step of the run [s], for the message.
         limit: Stability limit of the time step [s], likewise.
+        closed: Whether fluids start without a free surface, likewise.
         energy: Whether to check the energy; in statics its balance is only as exact as the load steps are small, and
             the solver reports by itself where it fails.
         body_force: Largest body force per mass on fluids at the start, beside gravity [m/s^2].
@@ -50,12 +51,14 @@ class Guard(Observer):
         every: int,
         time_step: float,
         limit: float = math.inf,
+        closed: bool = False,
         energy: bool = True,
         body_force: float = 0.0,
     ) -> None:
         self.every = every
         self._look_at_energy = energy
-        self._time_step, self._limit, self._body_force = time_step, limit, body_force
+        self._steps: dict[str, float] = {"time_step": time_step, "limit": limit}
+        self._closed, self._body_force = closed, body_force
         self._accounts: dict[str, EnergyAccount] = {}
 
     def observe(self, view: View) -> None:
@@ -126,10 +129,9 @@ class Guard(Observer):
 
     def _cause(self, view: View, otherwise: str | None = None) -> str:
         """The probable cause, or another one unless it is a plain one."""
-        steps = {"time_step": self._time_step, "limit": self._limit}
         if otherwise is None:
-            return probable_cause(view, **steps)
-        return plain_cause(view, **steps) or otherwise
+            return probable_cause(view, **self._steps, closed=self._closed)
+        return plain_cause(view, **self._steps) or otherwise
 
 
 def find_not_finite(view: View) -> str | None:

@@ -44,6 +44,7 @@ class Recording:
         folder: Folder of the results.
         progress: Shows how far the run is.
         resumed: Whether results in the folder are continued.
+        closed: Whether fluids start without a free surface.
         interval: Wall time between two checkpoints [s].
         records: Records of the checkpoint from which results are continued.
         observers: Observers of the user, called after those that record.
@@ -62,6 +63,7 @@ class Recording:
         progress: Progress,
         *,
         resumed: bool,
+        closed: bool,
         interval: float,
         records: Mapping[str, Any] = EMPTY,
         observers: Sequence[Observer] = (),
@@ -76,7 +78,7 @@ class Recording:
             """Time up to which results stay: a run that was to end off the grid has one row and frame too many."""
             return clock.time(simulation.step // every * every) if resumed else None
 
-        self._guard, self._momentum = _make_guard(simulation), MomentumMonitor(every=clock.frame_every)
+        self._guard, self._momentum = _make_guard(simulation, closed=closed), MomentumMonitor(every=clock.frame_every)
         # wall time of earlier runs that this one continues [s], and when this one began
         self._earlier, self._begin = 0.0, time.perf_counter()
         if resumed:
@@ -213,7 +215,7 @@ class Recording:
         self._summary.write(self._folder / SUMMARY)
 
 
-def _make_guard(simulation: Simulation) -> Guard:
+def _make_guard(simulation: Simulation, *, closed: bool) -> Guard:
     """The guard of a run; the weight that lets a fluid settle includes body forces."""
     forces = simulation.fluids.step.body_forces if simulation.scene.fluids else None
     with warp_turn:
@@ -223,6 +225,7 @@ def _make_guard(simulation: Simulation) -> Guard:
         every=simulation.clock.sample_every,
         time_step=longest,
         limit=limit,
+        closed=closed,
         energy=simulation.scene.analysis != "static",
         body_force=largest,
     )

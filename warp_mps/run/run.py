@@ -11,6 +11,7 @@ from warp_mps.core.streams import reserve_descriptors, say
 from warp_mps.core.warp_turn import warp_turn
 from warp_mps.errors import InputError
 from warp_mps.observers.base import Observer
+from warp_mps.observers.causes import FOR_CLOSED
 from warp_mps.observers.guest import guests
 from warp_mps.observers.progress import Progress
 from warp_mps.results.summary import RunSummary
@@ -78,7 +79,10 @@ def run_scene(
         longest, limit = simulation.longest_step
         if longest > limit:
             say(f"the time step of {longest:.4g} s is above the limit of {limit:.4g} s: expect an unstable run")
-        found = [*remarks_on_case(scene, simulation.particles), *_remark_on_closed_fluid(simulation)]
+        closed = _is_closed(simulation)
+        found = remarks_on_case(scene, simulation.particles)
+        if closed:
+            found += _remarks_on_closed_fluid(scene)
         for line in [] if quiet else found:
             say(line)
         if checkpoint is not None:
@@ -91,6 +95,7 @@ def run_scene(
                 folder,
                 progress,
                 resumed=checkpoint is not None,
+                closed=closed,
                 records=checkpoint.records if checkpoint else {},
                 interval=checkpoint_interval,
                 observers=given,
@@ -101,11 +106,21 @@ def run_scene(
             return recording.execute()
 
 
-def _remark_on_closed_fluid(simulation: Simulation) -> list[str]:
-    """A line about a fluid without a free surface whose negative pressures are clipped."""
-    scene = simulation.scene
-    if not scene.fluids or scene.bodies or scene.flow.negative_pressure != "clipped":
-        return []
-    reason = "no free surface: a fluid that fills its walls needs negative pressures, and they are 'clipped'"
+def _is_closed(simulation: Simulation) -> bool:
+    """Whether the fluids of a scene without bodies start without a free surface."""
+    if not simulation.scene.fluids or simulation.scene.bodies:
+        return False
     with warp_turn:
-        return [reason] * simulation.fluids.step.is_closed()
+        return simulation.fluids.step.is_closed()
+
+
+def _remarks_on_closed_fluid(scene: Scene) -> list[str]:
+    """Lines about a fluid without a free surface, which neither clipped pressures nor every scheme let rest."""
+    scheme, pressures = FOR_CLOSED
+    flow, lines = scene.flow, []
+    if flow.negative_pressure != pressures:
+        needed = f"needs negative pressures, and they are '{flow.negative_pressure}'"
+        lines.append(f"no free surface: a fluid that fills its walls {needed}")
+    if flow.scheme != scheme and scene.walls and any(scene.gravity):
+        lines.append(f"no free surface: the scheme '{flow.scheme}' stirs a fluid that fills its walls; take '{scheme}'")
+    return lines

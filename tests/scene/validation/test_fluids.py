@@ -210,8 +210,8 @@ def test_a_scheme_that_stirs_water_between_walls_is_remarked(scheme: str) -> Non
     (line,) = remarks(scene(**flow(scheme=scheme)))
     speed = 0.2 * math.sqrt(9.81 * WATER.spacing)
     assert line == (
-        f"scheme '{scheme}' does not conserve momentum: water at rest between walls comes to move at some "
-        f"{speed:.2g} m/s, and a run that gains energy in that way ends; take 'conservative'"
+        f"scheme '{scheme}' does not conserve momentum: water at rest below a free surface comes to move at "
+        f"some {speed:.2g} m/s, and a run that gains energy in that way ends; take 'conservative'"
     )
     assert remarks(scene(**flow(scheme="conservative"))) == []
     assert remarks(scene(**flow(scheme=scheme), walls=())) == ["no walls: nothing holds the fluid"]

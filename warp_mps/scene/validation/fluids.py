@@ -69,7 +69,7 @@ def _stirring(scene: Scene) -> list[str]:
     if not scene.walls or not any(scene.gravity) or scene.flow.scheme == usual:
         return []
     speed = STIRRED * math.sqrt(math.hypot(*scene.gravity) * scene.fluids[0].spacing)
-    effect = f"does not conserve momentum: water at rest between walls comes to move at some {speed:.2g} m/s"
+    effect = f"does not conserve momentum: water at rest below a free surface comes to move at some {speed:.2g} m/s"
     return [f"scheme '{scene.flow.scheme}' {effect}, and a run that gains energy in that way ends; take '{usual}'"]
 
 
