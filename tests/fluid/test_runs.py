@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -90,12 +91,13 @@ def test_a_run_in_two_parts_is_the_run_in_one(
 def test_a_leak_is_a_failed_run_that_says_how_much_was_lost(tmp_path: Path) -> None:
     flow = Flow(domain=([-0.3, -0.2], [0.3, 0.5]))
     scene = scene_of(water([0.0, 0.0], [0.1, 0.1]), gravity=(0.0, -9.81), flow=flow, duration=1.0)
-    with pytest.raises(RunError, match="there is a leak"):
+    with pytest.raises(RunError, match="at its low y end"):
         run_scene(scene, tmp_path, quiet=True)
     summary = read_summary(tmp_path / "run.json")
     assert summary.status == "failed"
-    assert "fluid particles have left the domain, as particle 0 of body 'water'" in summary.reason
-    assert summary.reason.endswith("there is a leak")
+    assert re.search("have left the domain: .* at its low y end, as particle 0 of body 'water'", summary.reason)
+    assert summary.reason.endswith("give flow.domain (mps:domainLow, mps:domainHigh) more room there")
+    assert any("left the domain at its low y end" in line for line in summary.remarks)
     assert summary.fluid["lost"] == int(summary.reason.split(" of ")[0].split()[-1])
 
 

@@ -104,8 +104,19 @@ class FluidFailures:
             return f"the position of {self.name(wrong[0])} is not finite: the flow has collapsed there"
         if len(lost) <= LARGEST_LOSS * self._model.count:
             return None
-        first = self.describe(lost[0])
-        return f"{len(lost)} of {self._model.count} fluid particles have left the domain, as {first}: there is a leak"
+        return f"{len(lost)} of {self._model.count} fluid particles have left the domain{self._describe_exits(lost)}"
+
+    def _describe_exits(self, lost: np.ndarray) -> str:
+        """By which ends of the domain particles left it, and what would keep them, as an end of a sentence."""
+        model, x = self._model, self._state.x.numpy()[lost].astype(float)
+        exits = []
+        for axis, letter in enumerate(model.axes):
+            for name, beyond in (("low", x[:, axis] < model.low[axis]), ("high", x[:, axis] > model.high[axis])):
+                if beyond.any():
+                    first = self.describe(lost[np.argmax(beyond)])
+                    exits.append(f"{beyond.sum()} at its {name} {letter} end, as {first}")
+        remedy = "close the tank on that side, or give flow.domain (mps:domainLow, mps:domainHigh) more room there"
+        return f": {'; '.join(exits)}: {remedy}"
 
     def _find_unsolved(self) -> str | None:
         """Count the steps in a row in which an equation was not solved, and say where, once they are too many."""

@@ -49,6 +49,7 @@ class FluidModel:
         low: Lowest corner of the domain [m], shape [d].
         high: Its highest corner [m], shape [d].
         periodic: Its periodic axes.
+        axes: Names of the axes, for messages.
         no_slip: 1 for fluid particles and for walls without slip, else 0, int32 [n].
         collision_share: Part of a collision's change of velocity that a fluid particle takes from a wall particle [-]:
             1 from a wall, less from a marker of an elastic body, which takes its own part; real [w].
@@ -77,6 +78,7 @@ class FluidModel:
     low: np.ndarray
     high: np.ndarray
     periodic: tuple[int, ...]
+    axes: str
     no_slip: wp.array
     collision_share: wp.array
 
@@ -165,6 +167,7 @@ def fluid_model(scene: Scene, particles: Particles, *, types: NumericTypes, devi
         low=low,
         high=high,
         periodic=flow.periodic,
+        axes=scene.frame.axes,
         no_slip=wp.array(_no_slip(scene, particles), dtype=wp.int32, device=device),
         collision_share=wp.array(_collision_share(particles, mass), dtype=types.real, device=device),
     )

@@ -21,18 +21,16 @@ ALONG = 0.999
 
 def remarks_on_unheld_fluid(scene: Scene, particles: Particles) -> list[str]:
     """A line for each fluid that falls or runs out of the scene; none without walls or gravity along an axis."""
-    gravity = scene.gravity_vector
-    size = float(np.linalg.norm(gravity))
-    if not scene.walls or size == 0.0 or np.abs(gravity).max() < ALONG * size:
+    direction = gravity_axis(scene)
+    if not scene.walls or direction is None:
         return []
-    vertical = int(np.argmax(np.abs(gravity)))
-    downwards = int(np.sign(gravity[vertical]))
+    vertical, downwards = direction
     solids = particles.positions[: particles.count - particles.liquid]
     lines = []
     for fluid in scene.fluids:
         first, last = particles.ranges[particles.names.index(fluid.name)]
         x, spacing = particles.positions[first:last], fluid.spacing
-        depth = _distance_to(solids, x, vertical, downwards, spacing)
+        depth = distance_to_solid(solids, x, vertical, downwards, spacing)
         falls = np.isinf(depth) & (vertical not in scene.flow.periodic)
         where = place(fluid, "fluid")
         if falls.any():
@@ -41,15 +39,25 @@ def remarks_on_unheld_fluid(scene: Scene, particles: Particles) -> list[str]:
         for axis in (k for k in range(scene.dimension) if k != vertical and k not in scene.flow.periodic):
             stands = np.flatnonzero(depth < STANDS * spacing)
             for side in (-1, 1):
-                away = np.isinf(_distance_to(solids, x[stands], axis, side, spacing))
+                away = np.isinf(distance_to_solid(solids, x[stands], axis, side, spacing))
                 if away.any():
-                    end = f"{'low' if side < 0 else 'high'} {'xyz'[axis]}"
+                    end = f"{'low' if side < 0 else 'high'} {scene.frame.axes[axis]}"
                     at = _point(max(x[stands[away]], key=lambda point: side * point[axis]))
                     lines.append(f"{where}: nothing holds it towards {end}, as at {at} m: move it, or add a wall there")
     return lines
 
 
-def _distance_to(solids: np.ndarray, x: np.ndarray, axis: int, side: int, spacing: float) -> np.ndarray:
+def gravity_axis(scene: Scene) -> tuple[int, int] | None:
+    """The axis of the scene along which gravity acts, and its sign; None if it acts along none."""
+    gravity = scene.gravity_vector
+    size = float(np.linalg.norm(gravity))
+    if size == 0.0 or np.abs(gravity).max() < ALONG * size:
+        return None
+    vertical = int(np.argmax(np.abs(gravity)))
+    return vertical, int(np.sign(gravity[vertical]))
+
+
+def distance_to_solid(solids: np.ndarray, x: np.ndarray, axis: int, side: int, spacing: float) -> np.ndarray:
     """Distance along an axis, to one side, to the nearest solid particle in the same column of cells [m], shape [n].
 
     Args:

@@ -55,6 +55,7 @@ class RunSummary:
         coupling: Of water and bodies together: mean and largest number of fixed-point `passes` of a step, steps
             that stayed `unconverged`, the largest residual of a step, and the work of the water on the bodies [J].
         measurements: Results; see :func:`measurement_rows`.
+        remarks: What should be known before the numbers are believed: of the case, and of the run at its end.
     """
 
     case: str
@@ -76,6 +77,7 @@ class RunSummary:
     implicit: dict[str, float] = field(default_factory=dict)
     coupling: dict[str, float] = field(default_factory=dict)
     measurements: list[dict[str, Any]] = field(default_factory=list)
+    remarks: list[str] = field(default_factory=list)
 
     def __str__(self) -> str:
         """A few lines: simulated time, speed, energies at the end, and measurements."""

@@ -71,6 +71,10 @@ def _rows(value: object) -> bool:
     return isinstance(value, list) and all(isinstance(row, dict) for row in value)
 
 
+def _texts(value: object) -> bool:
+    return isinstance(value, list) and all(map(_text, value))
+
+
 def _plain(value: object, depth: int = 0) -> bool:
     """Whether a value is made of texts and of numbers that can be computed with, and nested not too deeply."""
     if isinstance(value, dict | list):
@@ -104,6 +108,7 @@ CHECKS: dict[str, tuple[Check, str]] = {
     "implicit": (_named(_optional(is_number)), NUMBERS),
     "coupling": (_named(_optional(is_number)), NUMBERS),
     "measurements": (_rows, "a list of measurements"),
+    "remarks": (_texts, "a list of texts"),
 }
 # what a measurement must have, and what stands for the rest
 NEEDED = ("name",)

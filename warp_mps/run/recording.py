@@ -29,6 +29,7 @@ from warp_mps.run.folder import ANIMATION, PROBES, SUMMARY, remove_results
 from warp_mps.run.provenance import fingerprint, identity, provenance, versions
 from warp_mps.run.schedule import Trigger
 from warp_mps.run.simulation import Simulation
+from warp_mps.run.spilled import remarks_on_spilled_fluid
 
 EMPTY: Mapping[str, Any] = MappingProxyType({})
 
@@ -38,6 +39,7 @@ class Recording:
 
     Attributes:
         observers: All observers, in the order in which they are called.
+        remarks: Remarks on the run, once it has ended.
 
     Args:
         simulation: The simulation, at its start or restored.
@@ -47,6 +49,7 @@ class Recording:
         closed: Whether fluids start without a free surface.
         interval: Wall time between two checkpoints [s].
         records: Records of the checkpoint from which results are continued.
+        remarks: Remarks on the case.
         observers: Observers of the user, called after those that record.
 
     Raises:
@@ -66,6 +69,7 @@ class Recording:
         closed: bool,
         interval: float,
         records: Mapping[str, Any] = EMPTY,
+        remarks: Sequence[str] = (),
         observers: Sequence[Observer] = (),
     ) -> None:
         scene, particles, clock = simulation.scene, simulation.particles, simulation.clock
@@ -136,7 +140,10 @@ class Recording:
             dimension=scene.dimension,
             particles={name: int(count) for name, count in zip(particles.names, counts, strict=True)},
             settings=scene_settings(scene),
+            remarks=list(remarks),
         )
+        # remarks on the run, once it has ended
+        self.remarks: list[str] = []
 
     def execute(self) -> RunSummary:
         """Run to the end, and say in run.json how it went, whatever happens.
@@ -196,6 +203,9 @@ class Recording:
         simulation, history = self._simulation, self._probes.history
         wall, particles, steps = self._wall_seconds(), simulation.particles, simulation.steps_done
         solvers: dict[str, Any] = {**simulation.record()}
+        self.remarks = remarks_on_spilled_fluid(
+            simulation.scene, particles, simulation.positions, simulation.velocities
+        )
         done = {"solid": steps * particles.elastic, "fluid": steps * particles.liquid}
         self._summary = replace(
             self._summary,
@@ -210,6 +220,7 @@ class Recording:
             energy=energy_record(history, fluids=bool(simulation.scene.fluids)),
             momentum_error=self._momentum.error,
             measurements=measurement_rows(simulation.scene, history),
+            remarks=[*self._summary.remarks, *self.remarks],
             **solvers,
         )
         self._summary.write(self._folder / SUMMARY)

@@ -98,12 +98,17 @@ def run_scene(
                 closed=closed,
                 records=checkpoint.records if checkpoint else {},
                 interval=checkpoint_interval,
+                remarks=found,
                 observers=given,
             )
         except OSError as error:
             raise InputError(str(folder), "", f"cannot be written: {error.strerror}") from error
         with first_interrupt_only():
-            return recording.execute()
+            try:
+                return recording.execute()
+            finally:
+                for line in [] if quiet else recording.remarks:
+                    say(line)
 
 
 def _is_closed(simulation: Simulation) -> bool:

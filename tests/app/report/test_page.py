@@ -110,6 +110,12 @@ def test_runs_that_did_not_end_well_say_so(tmp_path: Path, facts: dict[str, Any]
     assert "None were made." in text
 
 
+def test_the_remarks_of_a_run_are_shown(tmp_path: Path) -> None:
+    write_run(tmp_path, remarks=["3 fluid particles are outside the tank at the end: over the top of 'right' & <left>"])
+    assert "<li>3 fluid particles are outside the tank" in (text := report(tmp_path))
+    assert "&amp; &lt;left&gt;</li>" in text
+
+
 def test_a_static_run_goes_by_load_factors(tmp_path: Path) -> None:
     write_run(tmp_path, settings={"analysis": "static"}, time=1.0)
     text = report(tmp_path)

@@ -55,7 +55,7 @@ def write_report(folder: Path, path: Path, *, reload: float | None = None) -> tu
 def page(run: Run, *, reload: float | None = None) -> str:
     """The text of the page of a run; see :func:`write_report`."""
     frames = make_frames(run.animation) if run.animation else None
-    remarks = [*run.remarks, *(frames.remarks if frames else [])]
+    remarks = [*run.summary.remarks, *run.remarks, *(frames.remarks if frames else [])]
     data = {
         "frames": frames.facts if frames else None,
         "diagrams": make_diagrams(run),
