@@ -71,7 +71,8 @@ def _crossed_walls(
             if went.any():
                 count, at = int(went.sum()), _point(begin[owners == body][went][0])
                 name = particles.names[int(body)]
-                yield f"{_fluid(count, 'is', 'are')} outside the tank at the end: {word} '{name}', as at {at} m{_remedy(word)}"
+                where = f"{word} '{name}', as at {at} m{_remedy(word)}"
+                yield f"{_fluid(count, 'is', 'are')} outside the tank at the end: {where}"
 
 
 def _left_faces(scene: Scene, particles: Particles, positions: np.ndarray) -> Iterator[str]:
