@@ -27,9 +27,9 @@ from warp_mps.results.settings import scene_settings
 from warp_mps.results.summary import RunStatus, RunSummary, energy_record, measurement_rows
 from warp_mps.run.folder import ANIMATION, PROBES, SUMMARY, remove_results
 from warp_mps.run.provenance import fingerprint, identity, provenance, versions
+from warp_mps.run.remarks import remarks_on_end
 from warp_mps.run.schedule import Trigger
 from warp_mps.run.simulation import Simulation
-from warp_mps.run.spilled import remarks_on_spilled_fluid
 
 EMPTY: Mapping[str, Any] = MappingProxyType({})
 
@@ -203,9 +203,7 @@ class Recording:
         simulation, history = self._simulation, self._probes.history
         wall, particles, steps = self._wall_seconds(), simulation.particles, simulation.steps_done
         solvers: dict[str, Any] = {**simulation.record()}
-        self.remarks = remarks_on_spilled_fluid(
-            simulation.scene, particles, simulation.positions, simulation.velocities
-        )
+        self.remarks = remarks_on_end(simulation.scene, particles, simulation.positions, simulation.velocities)
         done = {"solid": steps * particles.elastic, "fluid": steps * particles.liquid}
         self._summary = replace(
             self._summary,

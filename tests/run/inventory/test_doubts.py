@@ -8,10 +8,10 @@ import pytest
 
 from warp_mps.particles.filling import fill_scene
 from warp_mps.run.cost import estimate
-from warp_mps.run.inventory.doubts import remarks_on_flotation, remarks_on_rows
+from warp_mps.run.inventory.doubts import remarks_on_flotation, remarks_on_missing_contact, remarks_on_rows
 from warp_mps.run.inventory.flotation import flotations
 from warp_mps.run.remarks import remarks_on_case
-from warp_mps.scene import Body, Fluid, Material, Scene, tank
+from warp_mps.scene import Body, Contact, Fluid, Material, Scene, Support, tank
 from warp_mps.shapes import Box
 
 TANK = tank((0.0, 0.0), (0.4, 0.3), 0.01)
@@ -48,6 +48,24 @@ def test_what_is_not_in_the_water_is_not_remarked() -> None:
 def test_a_pillar_is_remarked_to_capsize() -> None:
     (line,) = remarks(afloat((0.18, 0.04), (0.22, 0.16), 500.0))
     assert line.startswith("/World/plank: capsizes: its metacentric height is -0.02")
+
+
+def unstopped(scene: Scene) -> list[str]:
+    particles = fill_scene(scene)
+    return remarks_on_missing_contact(scene, particles, flotations(scene, particles))
+
+
+def test_a_body_that_sinks_without_contact_is_remarked_and_one_that_floats_or_is_held_is_not() -> None:
+    stone, none = afloat((0.1, 0.06), (0.3, 0.1), 2000.0), Contact(between="none")
+    (line,) = unstopped(replace(stone, contact=none))
+    assert line.startswith("/World/plank: sinks, and contact is 'none' (mps:contact): it goes through walls")
+    assert line in remarks_on_case(replace(stone, contact=none), fill_scene(stone))
+    held = (Support(name="held", region=Box((1.0, 1.0))),)
+    assert unstopped(stone) == unstopped(replace(stone, contact=none, supports=held)) == []
+    assert unstopped(replace(afloat((0.1, 0.08), (0.3, 0.12), 500.0), contact=none)) == []
+    (dry,) = unstopped(replace(stone, contact=none, fluids=()))
+    assert dry.startswith("/World/plank: falls")
+    assert unstopped(replace(stone, contact=none, fluids=(), walls=())) == []
 
 
 def test_rows_that_shorten_steps_are_remarked_and_the_remedy_keeps_the_step() -> None:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.coupling.scenes import ALONE, IMPLICIT, SOFT, hung, lump, pool
+from tests.coupling.scenes import ALONE, IMPLICIT, SOFT, lump, pool
 from tests.fluid.scenes import L0, box, walls_about
 from tests.refusals import assert_refused
 from warp_mps.observers.sampling import make_sampler
@@ -139,13 +139,6 @@ def test_water_that_fills_a_shell() -> None:
     water = Fluid(name="water", shape=Points(grid[away < 1]), spacing=L0, path="/World/water")
     made = Scene(bodies=(shell,), fluids=(water,), duration=0.1)
     assert_refused(lambda: Simulation(made), "/World/water", "shape", "leaves no free surface")
-
-
-def test_bodies_that_nothing_holds_are_remarked_upon() -> None:
-    said = "no contact and no supports: bodies go through walls and each other; use contact 'bodies'"
-    assert said in remarks(scene(contact=ALONE))
-    assert said not in remarks(scene())
-    assert said not in remarks(hung(contact=ALONE))
 
 
 def test_probes_look_at_the_material_by_its_quantities() -> None:

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from warp_mps.particles.particles import Particles
+from warp_mps.particles.selection import free_bodies
 from warp_mps.run.cost.time_step import ROWS, time_step
 from warp_mps.run.inventory.flotation import Flotation
 from warp_mps.run.inventory.surfaces import nearest_offsets
@@ -42,6 +43,27 @@ def remarks_on_flotation(scene: Scene, particles: Particles, floating: Mapping[s
         if found.metacentric_height < 0.0:
             reason = f"capsizes: its metacentric height is {found.metacentric_height:.4g} m"
             lines.append(f"{where}: {reason}; a lower centre of gravity or a greater breadth rights it")
+    return lines
+
+
+def remarks_on_missing_contact(scene: Scene, particles: Particles, floating: Mapping[str, Flotation]) -> list[str]:
+    """A line for each free body that falls or sinks onto walls or bodies, which do not stop it, for contact is off.
+
+    Args:
+        scene: The scene.
+        particles: Its particles.
+        floating: How its free bodies float, by name.
+    """
+    alone = not scene.walls and len(scene.bodies) == 1
+    if scene.contact.between != "none" or alone or not scene.gravity_vector.any():
+        return []
+    lines = []
+    for body in scene.bodies:
+        found = floating.get(body.name)
+        if body.name in free_bodies(scene, particles) and (found is None or found.draught is None):
+            word = "falls" if found is None else "sinks"
+            reason = f"{word}, and contact is 'none' (mps:contact): it goes through walls and other bodies"
+            lines.append(f"{place(body, kind_of(body))}: {reason}; use contact 'bodies'")
     return lines
 
 

@@ -40,12 +40,9 @@ def check_coupling(scene: Scene) -> None:
 
 def remarks_on_bodies(scene: Scene) -> list[str]:
     """Remarks on the bodies in the fluids of a scene, a line each."""
-    lines = [
+    return [
         line for body in scene.bodies for line in (*_light(body, scene), *_thin(body, scene), *_uneven(body, scene))
     ]
-    if scene.bodies and scene.contact.between == "none" and not scene.supports:
-        lines.append("no contact and no supports: bodies go through walls and each other; use contact 'bodies'")
-    return lines
 
 
 def _light(body: Body, scene: Scene) -> list[str]:
