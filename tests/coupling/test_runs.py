@@ -9,14 +9,14 @@ import numpy as np
 import pytest
 
 from tests.bits import assert_restored_goes_on, assert_same_bits, states
-from tests.coupling.scenes import EXPLICIT, IMPLICIT, RUBBING, WAYS, afloat, busy, hung
+from tests.coupling.scenes import EXPLICIT, IMPLICIT, RUBBING, WAYS, afloat, busy, hung, lump, pool
 from tests.fluid.scenes import L0
 from warp_mps.coupling import added_mass
 from warp_mps.fluid import time_loop
 from warp_mps.results.history import read_history
 from warp_mps.run.run import run_scene
 from warp_mps.run.simulation import Simulation
-from warp_mps.scene import HarmonicMotion, Probe
+from warp_mps.scene import HarmonicMotion, Material, Probe
 
 ALL_WAYS = [RUBBING, IMPLICIT]
 
@@ -120,3 +120,14 @@ def test_moving_supports_carry_bodies_through_water() -> None:
         assert energy.work > 0.02
         assert energy.balance - start.balance < 0.0
         assert simulation.record()["coupling"]["unconverged"] == 0
+
+
+@pytest.mark.parametrize("way", WAYS)
+@pytest.mark.parametrize("density", [300.0, 1700.0])
+def test_bodies_that_rise_and_sink_pass_the_guards(way: dict, density: float, tmp_path: Path) -> None:
+    """Water is lifted by the gap that a body leaves behind it, and that is no failure."""
+    body = lump([3, 3], [4, 3], material=Material(density, 5e5, 0.3))
+    scene = pool(body, cells=(10, 8), room=(10, 16), **{**way, "duration": 0.4, "sample_rate": 100.0})
+    summary = run_scene(scene, tmp_path, quiet=True)
+    assert summary.status == "done"
+    assert summary.energy["kinetic"] > 0.1

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
 import json
 
@@ -14,6 +15,7 @@ from tests.observers.views import REST, FakeView, blocks, view_of
 from warp_mps.errors import RunError
 from warp_mps.observers.guard import Guard
 from warp_mps.results.energy import ENERGY_NAMES
+from warp_mps.scene import HarmonicMotion
 
 CAUSE = "what acts on the bodies is too violent for the time step of 0.0001 s"
 # weight times spacing of water of 8 by 8 particles [J/m]
@@ -198,6 +200,28 @@ NONE = [None, {}, [1.0], {"all": {"start": "a"}}, {"all": {"start": np.nan}}, {"
 def test_records_that_are_none_are_refused(guard: Guard, record: object) -> None:
     with pytest.raises(ValueError, match=r"start is .* a finite number|what the guard has seen is .*, must be"):
         guard.restore(record)
+
+
+def test_water_about_a_body_may_rise_by_the_gap_that_it_leaves() -> None:
+    """By twice the weight of the water before its largest face times a spacing, and not by much more."""
+    water = view_of(pool(lump([3, 3], [4, 3])))
+    gap = 2.0 * 1000.0 * 9.81 * (7.0 * L0) * (4.0 * L0) * L0
+    guard = Guard(every=1, time_step=1e-4)
+    guard.observe(water)
+    look(guard, water, potential=gap)
+    with pytest.raises(RunError, match="the energy balance has grown by"):
+        look(guard, water, potential=gap + 0.2 * 1000.0 * 9.81 * 68 * L0**3)
+
+
+def test_a_wall_that_moves_between_others_leaves_a_gap_and_a_tank_that_moves_as_a_whole_does_not() -> None:
+    scene, motion = tank((8, 8)), HarmonicMotion(amplitude=(0.01, 0.0), frequency=1.0)
+    whole = dataclasses.replace(scene, walls=tuple(dataclasses.replace(wall, motion=motion) for wall in scene.walls))
+    one = dataclasses.replace(scene, walls=(*scene.walls[:-1], whole.walls[-1]))
+    for case, allowed in ((one, True), (whole, False)):
+        guard, view = Guard(every=1, time_step=1e-4), view_of(case)
+        look(guard, view)
+        with pytest.raises(RunError) if not allowed else contextlib.nullcontext():
+            look(guard, view, potential=0.5 * WEIGHT)
 
 
 def test_bodies_in_water_are_judged_without_what_water_may_do() -> None:
