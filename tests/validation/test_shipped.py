@@ -66,7 +66,7 @@ TOLERANCES: dict[str, tuple[dict[str, float], float]] = {
     "bar_struck_by_wall": ({"contact time": 0.03, "speed after": 0.015, "push": 0.015}, 1e-4),
     # the particles of the block rattle on those of the floor
     "paddle_and_block": ({"weight on the floor, before": 0.02, "weight on the floor, after": 0.02}, 0.002),
-    "oscillating_plate": ({"period": 0.01, "amplitude": 0.02}, 1e-3),
+    "oscillating_plate": ({"period": 0.005, "amplitude": 0.01}, 1e-3),
     "turek_csm1": ({"tip shift": 0.006, "tip height": 0.005}, 1e-3),
     "turek_csm3": (
         {
@@ -157,7 +157,7 @@ COUPLED_TOLERANCES: dict[str, dict[str, float]] = {
         "pressure on the plate in the mean": 0.005,
     },
     # the theory is linear, and of an impact in no time
-    "elastic_panel_slamming": {"greatest deflection": 0.05, "deflection after 5 ms": 0.1, "half a period": 0.08},
+    "elastic_panel_slamming": {"greatest deflection": 0.04, "deflection after 5 ms": 0.13, "half a period": 0.03},
     # half a spacing, and a bit of the level
     "floating_elastic_plate": {
         "height of the plate at rest": 0.025,
@@ -182,15 +182,15 @@ COUPLED_TOLERANCES: dict[str, dict[str, float]] = {
         "rise at 0.28 s": 0.67,
         "rise at 0.36 s": 0.52,
     },
-    # two particles through the gate
+    # two particles through the gate, which is open at once: too far at first, too little later
     "dam_break_elastic_gate_3d": {
-        "farthest shift of the free end": 0.33,
-        "shift at 0.04 s": 0.12,
-        "shift at 0.08 s": 0.12,
-        "shift at 0.12 s": 0.32,
-        "rise at 0.04 s": 0.35,
-        "rise at 0.08 s": 0.27,
-        "rise at 0.12 s": 0.5,
+        "farthest shift of the free end": 0.28,
+        "shift at 0.04 s": 0.17,
+        "shift at 0.08 s": 0.08,
+        "shift at 0.12 s": 0.27,
+        "rise at 0.04 s": 0.46,
+        "rise at 0.08 s": 0.21,
+        "rise at 0.12 s": 0.45,
     },
 }
 
