@@ -31,6 +31,7 @@ def test_each_kind_of_case_has_a_table_and_only_finished_runs_are_in_it() -> Non
                 ELASTIC,
                 row("tip", -2.0, -1.0, THEORY),
                 row("mean", None, 0.0, THEORY),
+                {**row("late", None, 1.0, THEORY), "reason": "not reached: it needs the run up to 2 s"},
             ),
             run("stopped", ELASTIC, row("tip", 1.0), status="failed"),
         ]
@@ -38,7 +39,8 @@ def test_each_kind_of_case_has_a_table_and_only_finished_runs_are_in_it() -> Non
     titles = [line for line in text.splitlines() if line.startswith("## ")]
     assert titles == ["## Elastic bodies", "## Water", "## Water and elastic bodies"]
     assert "| `beam`<br>springs, 3 s | tip [m] | -2 | -1 | -100.00 % | theory \\| of thin beams |" in text
-    assert "|  | mean [m] |  | 0 |  |  |" in text
+    assert "|  | mean [m] | none | 0 |  |  |" in text
+    assert "|  | late [m] | not reached: it needs the run up to 2 s | 1 |  |  |" in text
     assert "| `gate`<br>springs, conservative, 3 s | shift [m] | 0.1 |  |  |  |" in text
     assert "stopped" not in text
 

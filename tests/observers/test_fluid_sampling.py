@@ -67,6 +67,19 @@ def test_pressure_where_there_is_no_water() -> None:
     assert value(pulling, point=(0.0, DEPTH + 0.01), quantity="pressure") == pytest.approx([-0.01 * DENSITY * GRAVITY])
 
 
+@pytest.mark.parametrize("dimension", [2, 3])
+@pytest.mark.parametrize("pressures", ["clipped", "allowed"])
+def test_drops_beside_a_dry_gauge_are_no_head_of_water(dimension: int, pressures: str) -> None:
+    """A drop without pressure, above or below a gauge on a dry wall and within its effective radius."""
+    view = at_rest(pool(dimension, flow=Flow(negative_pressure=pressures)))
+    drop = len(view.positions) - 1
+    for side in (1.9, -1.9):
+        place = np.array([1.0, 0.5 + side * SPACING, 0.02][:dimension])
+        view.displacements[drop] += place - view.positions[drop]
+        view.pressures[drop] = 0.0
+        assert value(view, point=[1.0, 0.5, 0.02][:dimension], quantity="pressure") == [0.0]
+
+
 def test_a_region_has_the_mean_of_what_is_in_it_now() -> None:
     view = at_rest(pool())
     strip = {"region": Box((2 * SPACING, DEPTH), (0.1, DEPTH / 2))}

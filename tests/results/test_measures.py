@@ -135,5 +135,5 @@ def test_the_first_time_of_a_value() -> None:
     assert draw("time_at", times, values, at=4.0) == 1.0
     assert draw("time_at", times, values, at=1.5) == 2.0
     assert draw("time_at", times, values, at=3.0, start=1.0) == pytest.approx(1.4)
-    with pytest.raises(ValueError, match="never reaches 10: it is between -1 and 9"):
+    with pytest.raises(ValueError, match="does not reach 10 up to 4 s: it is between -1 and 9"):
         draw("time_at", times, values, at=10.0)

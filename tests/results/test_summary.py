@@ -65,6 +65,18 @@ def test_a_run_that_ended_early_is_not_compared_with_a_reference_for_later(optio
     assert result["reason"] == f"not reached: it needs the run up to {needed:g} s, which ended at 0.2 s"
 
 
+@pytest.mark.parametrize("measure", ["maximum", "mean", "frequency", "contact_time"])
+def test_a_window_beyond_the_duration_of_a_shortened_case_is_not_covered(measure: str) -> None:
+    unit = {"frequency": "rad/s", "contact_time": "s"}.get(measure, "m")
+    result = row(duration=0.2, reference=1.0, measure=measure, unit=unit, end=2.0)
+    assert (result["value"], result["error"]) == (None, None)
+    assert result["reason"] == "not reached: it needs the run up to 2 s, which ended at 0.2 s"
+
+
+def test_a_window_without_an_end_closes_with_the_run() -> None:
+    assert row(duration=0.2, end=math.inf)["value"] == row(duration=0.2)["value"] == 3.0
+
+
 def test_what_a_run_that_ended_early_has_covered_counts() -> None:
     assert row(duration=2.0, end=0.1)["value"] == 3.0
     assert row(duration=2.0, measure="value_at", at=0.05)["value"] == pytest.approx(2.0)
@@ -125,7 +137,7 @@ def test_a_summary_in_words() -> None:
     assert lines[0].endswith("; done")
     assert lines[1:3] == ["particles: beam 1024", "energy [J/m]: kinetic 1"]
     assert "(reference 1, " in lines[3]
-    assert "never reaches" in lines[4]
+    assert "does not reach 1e+09 up to 0.2 s" in lines[4]
 
 
 def test_a_summary_reads_back(tmp_path: Path) -> None:

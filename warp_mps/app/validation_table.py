@@ -56,7 +56,8 @@ def _rows(run: RunSummary) -> list[str]:
     for row in run.measurements:
         error = "" if row["error"] is None else f"{100.0 * row['error']:+.2f} %"
         unit = f" [{row['unit']}]" if row["unit"] not in ("", "-") else ""
-        cells = [case, row["name"] + unit, _number(row["value"]), _number(row["reference"]), error]
+        measured = row.get("reason") or "none" if row["value"] is None else _number(row["value"])
+        cells = [case, row["name"] + unit, measured, _number(row["reference"]), error]
         cells.append(row["source"] if row["source"] != source else "")
         rows.append("| " + " | ".join(map(_cell, cells)) + " |")
         case, source = "", row["source"]

@@ -5,7 +5,8 @@ With the weight w(r) = (1 - r/r_e)^2 of the effective radius r_e, at a point x t
 - ``velocity``: sum_j w v_j / sum_j w, over the fluid particles within r_e, a Shepard mean.
 - ``pressure``: sum_j w (p_j + rho g . (x - x_j)) / sum_j w, the mean of what each particle's pressure is at the point's
   height, so that it is exact in water at rest, also on a wall, to one side of which all particles lie; where pressures
-  are clipped, at least 0.
+  are clipped, at least 0. It is 0 where no particle is within `WET` spacings of the point: the height of drops beyond
+  is no head of water.
 - ``elevation``: the level of the free surface on the line through x along gravity, without detached spray, and that of
   x where the line is dry (`warp_mps.observers.surface_level`).
 
@@ -27,6 +28,9 @@ from warp_mps.scene import Probe, Scene
 from warp_mps.shapes import Shape, contains
 
 Sample = Callable[[View], np.ndarray]
+# how near a particle is to a gauge in water, in spacings: half a spacing on a wall at rest, and on the walls of a
+# dam break at most 1.0
+WET = 1.5
 
 
 def sample_of_fluid(probe: Probe, scene: Scene, particles: Particles) -> Sample:
@@ -71,6 +75,8 @@ def _shepard(quantity: str, view: View, fluid: slice, point: np.ndarray, reach: 
     scene = view.scene
     if not near.any():
         return np.zeros(scene.dimension if quantity == "velocity" else 1)
+    if quantity == "pressure" and distances[near].min() > WET * scene.fluids[0].spacing:
+        return np.zeros(1)
     weights /= weights.sum()
     if quantity == "velocity":
         return weights @ view.velocities[fluid][near]

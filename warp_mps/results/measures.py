@@ -70,13 +70,14 @@ def used_until(measurement: Measurement, duration: float) -> float:
 
     Args:
         measurement: The measurement.
-        duration: Duration of the case [s], at which the window of a measurement without an end closes.
+        duration: Duration of the case [s], at which the window of a measurement without an end closes. A window that
+            is to end later is one of a case that was shortened, and is not covered.
     """
     if measurement.measure == "time_at":
         return measurement.start
     if measurement.measure == "value_at" and measurement.at is not None:
         return measurement.at
-    return duration if measurement.end is None else min(measurement.end, duration)
+    return duration if measurement.end is None or np.isinf(measurement.end) else measurement.end
 
 
 def require_history(measurement: Measurement, duration: float, end: float) -> None:
@@ -161,7 +162,8 @@ def _time_at(times: np.ndarray, values: np.ndarray, value: float) -> float:
     above = values - value
     passed = np.flatnonzero(above * above[0] <= 0.0)
     if not len(passed):
-        raise ValueError(f"it never reaches {value:g}: it is between {values.min():g} and {values.max():g}")
+        span = f"it is between {values.min():g} and {values.max():g}"
+        raise ValueError(f"it does not reach {value:g} up to {times[-1]:g} s: {span}")
     k = int(passed[0])
     if k == 0:
         return float(times[0])
