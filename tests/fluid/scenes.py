@@ -194,12 +194,10 @@ def predicted(fluids: Fluids, dt: float = DT) -> np.ndarray:
 
 
 def finished(fluids: Fluids, dt: float = DT) -> np.ndarray:
-    """Change of the fluid's velocities in the end of a step without pressure, by collisions, shape [m, d]."""
+    """Change of the fluid's velocities in the end of a step, by collisions, shape [m, d]."""
     w = wall_count(fluids)
     before = fluids.state.u.numpy().astype(float)[w:]
     fluids.step.time_step.dt.assign([dt])
-    fluids.state.p.zero_()
-    fluids.step.correct()
     fluids.step.collide()
     fluids.step.advance_clock()
     return fluids.state.u.numpy().astype(float)[w:] - before

@@ -36,9 +36,9 @@ def test_two_particles_that_approach_collide(precision: str) -> None:
     np.testing.assert_allclose(du[0], [-expected, 0.0], atol=near)
     np.testing.assert_allclose(du[1], [expected, 0.0], atol=near)
     np.testing.assert_allclose(du[2:], 0.0, atol=near)
-    # the change of velocity acts from the start of the step on
+    # the change of velocity acts on the second half of the step's move
     x = fluids.state.x.numpy()
-    np.testing.assert_allclose(x[:2, 0], [0.3 - DT * expected, 0.3 + gap + DT * expected], atol=near)
+    np.testing.assert_allclose(x[:2, 0], [0.3 - 0.5 * DT * expected, 0.3 + gap + 0.5 * DT * expected], atol=near)
 
 
 @pytest.mark.parametrize(

@@ -77,7 +77,10 @@ def test_a_tank_of_water_comes_to_rest_under_its_own_weight(scheme: str) -> None
 @pytest.mark.parametrize("scheme", SCHEMES)
 @pytest.mark.parametrize(("dimension", "precision"), KINDS)
 def test_water_falls_freely(dimension: int, precision: str, scheme: str) -> None:
-    """Without walls a block falls as one: no pressure, and the path of the integrator to the last digits."""
+    """Without walls a block falls as one: no pressure, and the path of the integrator to the last digits.
+
+    From its midpoint a step follows the parabola of the fall; predicted positions are half a step ahead of it.
+    """
     gravity = [1.0, -G, 0.0][:dimension]
     cells = small(dimension)
     block = water(
@@ -90,8 +93,8 @@ def test_water_falls_freely(dimension: int, precision: str, scheme: str) -> None
     near = 1e-12 if precision == "float64" else 2e-5
     velocity, drop = np.array([0.3, 0.2, -0.1])[:dimension], np.array(gravity) * end
     np.testing.assert_allclose(fluids.velocities(), np.broadcast_to(velocity + drop, start.shape), atol=near)
-    # u first, then x with it: half a step ahead of the parabola
-    path = velocity * end + 0.5 * drop * end * (1.0 + 1.0 / steps)
+    ahead = 0.0 if scheme == "conservative" else 1.0 / steps
+    path = velocity * end + 0.5 * drop * end * (1.0 + ahead)
     np.testing.assert_allclose(fluids.readings.positions() - start, np.broadcast_to(path, start.shape), atol=near)
     np.testing.assert_allclose(fluids.pressures(), 0.0, atol=near * RHO * G * L0)
 
@@ -108,15 +111,13 @@ def test_water_that_falls_through_periods_keeps_its_energy(precision: str) -> No
     assert (y >= -0.2).all()
     assert (y <= 0.2).all()
     assert fluids.energy().kinetic == pytest.approx(0.5 * mass * (G * 0.6 - 0.3) ** 2, rel=1e-4)
-    # it moves with the velocity at the end of a step, and so half a step ahead of its fall
     near = 1e-12 if precision == "float64" else 1e-4
-    expected = 0.5 * mass * G**2 * dt * 0.05 * np.arange(1, 13)
-    np.testing.assert_allclose(lost, expected, atol=near * fluids.energy().kinetic)
+    np.testing.assert_allclose(lost, 0.0, atol=near * fluids.energy().kinetic)
 
 
 @pytest.mark.parametrize(("dimension", "precision"), KINDS)
 def test_drops_that_collide_keep_their_momentum(dimension: int, precision: str) -> None:
-    """And never gain energy; pressure builds up where they meet."""
+    """And lose energy, but for the 0.3 % that denser water gives back; pressure builds up where they meet."""
     n = small(dimension)
     side = [L0 * k for k in n]
     left = water([0.0] * dimension, side, velocity=[1.0, 0.1, 0.0][:dimension])
@@ -137,7 +138,7 @@ def test_drops_that_collide_keep_their_momentum(dimension: int, precision: str) 
     np.testing.assert_allclose(change, 0.0, atol=(1e-12 if precision == "float64" else 1e-5) * scale)
     assert max(peaks) > 0.2 * RHO
     assert energies[-1] < 0.9 * energies[0]
-    assert (np.diff(energies) < 1e-3 * energies[0]).all()
+    assert (np.diff(energies) < 3e-3 * energies[0]).all()
 
 
 @pytest.mark.parametrize(("scheme", "growth"), [("corrected", 1e-2), ("koshizuka_oka", 1e-3)])

@@ -12,9 +12,10 @@ from warp_mps.scene import Flow, Liquid
 
 PHASES = [
     "time step",
+    "drift",
+    "neighbour lists",
     "viscosity",
     "predictor",
-    "neighbour lists",
     "assembly",
     "pressure solve",
     "corrector",
@@ -39,9 +40,10 @@ def test_phases_one_by_one_are_the_step() -> None:
     for _ in range(3):
         step.set_time_step()
         end += float(step.time_step.dt.numpy()[0])
+        step.drift()
+        step.update_neighbours()
         step.apply_viscosity()
         step.predict()
-        step.update_neighbours()
         step.assemble()
         step.solve_pressure()
         step.correct()
@@ -60,10 +62,11 @@ def test_the_predictor_adds_gravity_and_the_corrector_the_pressure() -> None:
     step.time_step.set_target(1.0)
     step.set_time_step()
     dt = float(step.time_step.dt.numpy()[0])
+    step.drift()
+    step.update_neighbours()
     step.predict()
     u = fluids.state.u.numpy()[w:]
     np.testing.assert_allclose(u, np.broadcast_to(dt * fluids.model.gravity, u.shape), rtol=1e-12)
-    step.update_neighbours()
     step.assemble()
     step.solve_pressure()
     step.correct()
@@ -116,3 +119,22 @@ def test_constants_of_a_run() -> None:
     assert model.no_slip.numpy().all()
     assert (model.collision_share.numpy() == 1.0).all()
     assert model.relaxation_time == pytest.approx(3.0 * np.sqrt(L0 / 9.81))
+    assert fluids_of(tank((8, 8))).model.relaxation_time == pytest.approx(2.0 * np.sqrt(L0 / 9.81))
+
+
+@pytest.mark.parametrize("scheme", ["corrected", "koshizuka_oka"])
+def test_other_schemes_evaluate_the_pressure_at_predicted_positions(scheme: str) -> None:
+    """The neighbour lists are those of x* = x + dt u*, and the pressure's change of velocity acts on the whole step."""
+    fluids = fluids_of(tank((8, 8), flow=Flow(scheme=scheme), fluid={"liquid": Liquid(viscosity=0.0)}))
+    stir(fluids)
+    step, w = fluids.step, fluids.model.walls
+    assert [name for name, _ in step.phases] == [PHASES[0], *PHASES[3:5], "neighbour lists", *PHASES[5:]]
+    step.time_step.set_target(1.0)
+    x, u = (array.numpy()[w:].astype(float) for array in (fluids.state.x, fluids.state.u))
+    for name, launch in step.phases:
+        launch()
+        if name == "predictor":
+            dt = float(step.time_step.dt.numpy()[0])
+            np.testing.assert_allclose(fluids.state.x.numpy()[w:], x + dt * (u + dt * fluids.model.gravity), rtol=1e-12)
+        if name == "corrector":
+            np.testing.assert_allclose(fluids.state.x.numpy()[w:], x + dt * fluids.state.u.numpy()[w:], rtol=1e-12)

@@ -20,6 +20,7 @@ class AdaptiveTimeStep:
         displacement: Displacement of the fastest particle in it [m], float64 [1].
         steps_left: Number of steps of this length up to the target, this one included, int32 [1].
         end: Time at the end of the step [s], float64 [1].
+        middle: Time at its midpoint [s], float64 [1].
         target: Time that steps go towards [s], float64 [1].
         longest: Longest time step [s].
 
@@ -31,8 +32,8 @@ class AdaptiveTimeStep:
     def __init__(self, model: FluidModel, state: FluidState) -> None:
         self._model, self._state, self._kernels = model, state, fluid_kernels(model.types)
         device = model.device
-        self.dt, self.displacement, self.target, self.end = (
-            wp.zeros(1, dtype=wp.float64, device=device) for _ in range(4)
+        self.dt, self.displacement, self.target, self.end, self.middle = (
+            wp.zeros(1, dtype=wp.float64, device=device) for _ in range(5)
         )
         self.steps_left = wp.zeros(1, dtype=wp.int32, device=device)
         self.longest = model.longest_step
@@ -47,7 +48,8 @@ class AdaptiveTimeStep:
         model, state = self._model, self._state
         model.launch(self._kernels.square_speeds, len(self._speeds), [CHUNK, state.u], [self._speeds])
         inputs = [self.longest, model.courant * model.spacing, self._speeds, self.target, state.time]
-        model.launch(self._kernels.choose_time_step, 1, inputs, [self.dt, self.displacement, self.steps_left, self.end])
+        outputs = [self.dt, self.displacement, self.steps_left, self.end, self.middle]
+        model.launch(self._kernels.choose_time_step, 1, inputs, outputs)
 
     def replace(self, dt: float, steps_left: int) -> float:
         """Take another step instead of the chosen one, and return the time at its end [s].
@@ -61,6 +63,7 @@ class AdaptiveTimeStep:
         self.steps_left.assign([steps_left])
         end = float(self.target.numpy()[0]) if steps_left == 1 else self._state.now + dt
         self.end.assign([end])
+        self.middle.assign([self._state.now + 0.5 * dt])
         return end
 
     def advance_clock(self) -> None:

@@ -49,6 +49,7 @@ def adaptive_step_kernels(types: NumericTypes) -> SimpleNamespace:
         displacement_out: wp.array(dtype=wp.float64),  # displacement of the fastest particle in the step [m], [1]
         steps_left_out: wp.array(dtype=wp.int32),  # number of steps up to the target, [1]
         end_out: wp.array(dtype=wp.float64),  # time at the end of the step [s], [1]
+        middle_out: wp.array(dtype=wp.float64),  # time at its midpoint [s], [1]
     ):
         """Dt = (target - time)/N with N = ceil((target - time) / min(limit, reach / max |u|)).
 
@@ -67,6 +68,7 @@ def adaptive_step_kernels(types: NumericTypes) -> SimpleNamespace:
             end_out[0] = target[0]
         else:
             end_out[0] = time[0] + rest / steps
+        middle_out[0] = time[0] + wp.float64(0.5) * dt_out[0]
 
     @types.kernel(METHOD)
     def advance_clock(

@@ -1,6 +1,7 @@
 """The body forces of a scene on its fluids: forces per mass that depend on place and time.
 
-They are taken at the positions and the time at the beginning of a step. Kernels that relate the pressure beyond a wall
+They are taken at the midpoint of a step where the pressure is evaluated there, and at its beginning where that is at
+predicted positions (`warp_mps.fluid.time_integration`). Kernels that relate the pressure beyond a wall
 to g - a, a the acceleration of the wall, find in `FluidState.a` of wall particles a less the body force there.
 """
 
@@ -66,8 +67,8 @@ class FluidBodyForces:
         Raises:
             InputError: They are not finite.
         """
-        self.evaluate()
-        self.launch()
+        self.evaluate(self._state.time)
+        self.launch(self._state.time)
         self.subtract_from_walls()
         largest = self.largest()
         if not np.isfinite(largest):
@@ -79,14 +80,14 @@ class FluidBodyForces:
         accelerations = self._forces.accelerations.numpy()[self._model.walls :].astype(float)
         return float(np.sqrt(np.max(np.sum(accelerations**2, axis=1))))
 
-    def evaluate(self) -> None:
-        """Evaluate the Python functions, if any, at the present positions and time; not for a graph."""
+    def evaluate(self, time: wp.array) -> None:
+        """Evaluate the Python functions, if any, at the present positions and a time [s], float64 [1]; no graph."""
         if self._forces.on_host:
-            self._forces.evaluate(self._state.x.numpy(), self._state.now)
+            self._forces.evaluate(self._state.x.numpy(), float(time.numpy()[0]))
 
-    def launch(self) -> None:
-        """Launch the accelerations at the present positions and time."""
-        self._forces.launch(self._state.x, self._state.time)
+    def launch(self, time: wp.array) -> None:
+        """Launch the accelerations at the present positions and a time [s], float64 [1]."""
+        self._forces.launch(self._state.x, time)
 
     def velocity_with_force(self, dt: wp.array) -> wp.array:
         """Launch the velocities u + dt f [m/s], vec [n], for an implicit step of viscosity."""

@@ -22,6 +22,7 @@ def fluid_constants_struct(types: NumericTypes) -> Any:
             markers: Number of markers of elastic bodies, the first ones of the wall particles [-].
             scheme: Discretization, one of `warp_mps.fluid.schemes`.
             clip: 1 if negative pressures are set to 0, else 0.
+            midpoint: 1 if the pressure is evaluated at the midpoint of a step, 0 if at predicted positions at its end.
             period: Period along each axis [m], 0 where there is none.
             low: Lowest corner of the domain [m].
             high: Its highest corner [m].
@@ -48,6 +49,7 @@ def fluid_constants_struct(types: NumericTypes) -> Any:
         markers: wp.int32
         scheme: wp.int32
         clip: wp.int32
+        midpoint: wp.int32
         period: vec
         low: vec
         high: vec

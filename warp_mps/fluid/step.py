@@ -1,13 +1,18 @@
 """A time step of the semi-implicit MPS method, phase by phase.
 
-A step predicts velocities and positions without the pressure, solves the pressure Poisson equation for the pressure
-that keeps the density, and corrects both by its gradient (Koshizuka and Oka 1996):
+A step moves the particles to its midpoint, predicts velocities without the pressure, solves the pressure Poisson
+equation there for the pressure that keeps the density, corrects the velocities by its gradient, and moves the particles
+on to the end (`warp_mps.fluid.time_integration`):
 
-    u* = u + dt (nu lap u + g + f),  x* = x + dt u*
+    x^ = x + dt/2 u
+    u* = u + dt (nu lap u + g + f)
     lap p = rho/dt div u* + density error
-    u  = u* - dt grad p / rho,       x = x* + dt (u - u*)
+    u' = u* - dt grad p / rho
+    x' = x^ + dt/2 u'
 
-with gravity g and the body forces f of the scene, if any.
+with gravity g and the body forces f of the scene, if any. Walls are where they are at the midpoint. Schemes other than
+`conservative`, and every scheme beside elastic bodies, evaluate the pressure at predicted positions x* = x + dt u*
+instead; `FluidModel.midpoint` says why.
 
 References:
     Koshizuka, S. and Oka, Y., Nuclear Science and Engineering 123 (1996) 421.
@@ -34,6 +39,9 @@ from warp_mps.fluid.pressure_forces import PressureForces
 from warp_mps.fluid.state import initial_state
 from warp_mps.fluid.wall_motion import WallMotion
 from warp_mps.scene import Scene
+
+# name of a phase and the method that launches it
+Phase = tuple[str, Callable[[], None]]
 
 
 class FluidStep:
@@ -90,13 +98,27 @@ class FluidStep:
         self._kernels = fluid_kernels(types)
 
     @property
-    def phases(self) -> tuple[tuple[str, Callable[[], None]], ...]:
+    def phases(self) -> tuple[Phase, ...]:
         """The phases of a step in their order: name and method."""
+        return (*self.opening, *self.prediction, *self.solution)
+
+    @property
+    def opening(self) -> tuple[Phase, ...]:
+        """The phases before body forces are evaluated."""
+        moves: tuple[Phase, ...] = (("drift", self.drift), ("neighbour lists", self.update_neighbours))
+        return (("time step", self.set_time_step), *(moves if self.model.midpoint else ()))
+
+    @property
+    def prediction(self) -> tuple[Phase, ...]:
+        """The phases that lead to the velocities and positions of the pressure Poisson equation."""
+        lists: tuple[Phase, ...] = (("neighbour lists", self.update_neighbours),)
+        steps = (("viscosity", self.apply_viscosity), ("predictor", self.predict))
+        return (*steps, *(() if self.model.midpoint else lists))
+
+    @property
+    def solution(self) -> tuple[Phase, ...]:
+        """The phases from the assembly of the equation to the end of the step."""
         return (
-            ("time step", self.set_time_step),
-            ("viscosity", self.apply_viscosity),
-            ("predictor", self.predict),
-            ("neighbour lists", self.update_neighbours),
             ("assembly", self.assemble),
             ("pressure solve", self.solve_pressure),
             ("corrector", self.correct),
@@ -105,28 +127,33 @@ class FluidStep:
         )
 
     def take(self) -> None:
-        """Take a step towards the target time, as one graph."""
-        self.evaluate_body_forces()
-        self.replay("step", self.launch)
-
-    def launch(self) -> None:
-        """Launch the phases of a step one by one."""
-        for _, launch in self.phases:
-            launch()
+        """Take a step towards the target time, as one graph; body forces are evaluated between two."""
+        if self.body_forces:
+            self.replay("open step", lambda: launch(self.opening))
+            self.evaluate_body_forces()
+            self.replay("end step", lambda: launch(self.prediction + self.solution))
+        else:
+            self.replay("step", lambda: launch(self.phases))
 
     def set_time_step(self) -> None:
         """Choose the time step by the CFL condition."""
         self.time_step.choose()
 
+    def drift(self) -> None:
+        """Move the fluid over the first half of the step, and the walls to its midpoint."""
+        model, state = self.model, self.state
+        model.launch(self._kernels.drift, model.count, [model.constants, self.time_step.dt, state.u], [state.x])
+        self.wall_motion.place_midway(self.time_step.middle, self.time_step.end)
+
     def evaluate_body_forces(self) -> None:
-        """Evaluate body forces given as Python functions, on the host; before the phases of a step."""
+        """Evaluate body forces given as Python functions, on the host; after the opening of a step."""
         if self.body_forces:
-            self.body_forces.evaluate()
+            self.body_forces.evaluate(self._force_time)
 
     def apply_viscosity(self) -> None:
         """Find the accelerations of the predictor beside gravity: viscous ones, and those by body forces."""
         if self.body_forces:
-            self.body_forces.launch()
+            self.body_forces.launch(self._force_time)
         self._find_viscous_accelerations()
         if self.body_forces:
             viscous = self.model.viscosity > 0.0
@@ -149,14 +176,15 @@ class FluidStep:
         model.launch(self._kernels.viscous_acceleration, len(state.x), inputs, [self.viscous_acceleration])
 
     def predict(self) -> None:
-        """Predict velocities and positions u*, x* without the pressure, and move the walls to the end of the step."""
+        """Predict velocities u* without the pressure; and positions x* and walls at the end without a drift."""
         model, state = self.model, self.state
         inputs = [model.constants, self.time_step.dt, self.viscous_acceleration, state.lost]
         outputs = [state.x, state.u, state.impulse, state.work]
         model.launch(self._kernels.predict, len(state.x), inputs, outputs)
-        self.wall_motion.place(self.time_step.end)
-        if self.body_forces:
-            self.body_forces.subtract_from_walls()
+        if model.midpoint:
+            self._subtract_forces_from_walls()
+        else:
+            self._place_walls(self.time_step.end)
 
     def update_neighbours(self) -> None:
         """Renew the neighbour lists if a particle has moved by half of their margin."""
@@ -178,6 +206,8 @@ class FluidStep:
         self.forces.add_wall_impulse(model.walls, dt, state.impulse, state.work)
         inputs = [model.constants, dt, self.velocity_change]
         model.launch(self._kernels.correct, model.count, inputs, [state.x, state.u])
+        if model.midpoint:
+            self._place_walls(self.time_step.end)
 
     def collide(self) -> None:
         """Shift particles, let those that come too close collide, and mark those that have left the domain."""
@@ -237,10 +267,9 @@ class FluidStep:
         self.grow_neighbours()
         state.x.assign(arrays["x"])
         state.stale.assign(arrays["stale"])
-        self.wall_motion.place(state.time)
         if self.body_forces:
             self.body_forces.assign(arrays)
-            self.body_forces.subtract_from_walls()
+        self._place_walls(state.time)
 
     @property
     def solvers(self) -> dict[str, ConjugateGradient]:
@@ -248,6 +277,26 @@ class FluidStep:
         viscous = {"velocities": self.implicit_viscosity.solver} if self.implicit_viscosity else {}
         return {"pressures": self.pressure.solver, **viscous}
 
+    def _place_walls(self, time: wp.array) -> None:
+        """Launch the positions, velocities and accelerations of the walls at a time [s], float64 [1]."""
+        self.wall_motion.place(time)
+        self._subtract_forces_from_walls()
+
+    def _subtract_forces_from_walls(self) -> None:
+        if self.body_forces:
+            self.body_forces.subtract_from_walls()
+
+    @property
+    def _force_time(self) -> wp.array:
+        """Time at which body forces act in a step [s], float64 [1]."""
+        return self.time_step.middle if self.model.midpoint else self.state.time
+
     def count_unsolved(self) -> int:
         """Number of solves so far that ended above their tolerance."""
         return sum(solver.count_unsolved() for solver in self.solvers.values())
+
+
+def launch(phases: tuple[Phase, ...]) -> None:
+    """Launch phases one by one."""
+    for _, phase in phases:
+        phase()

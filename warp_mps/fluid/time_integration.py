@@ -1,12 +1,25 @@
-"""Time integration: predictor, corrector and the end of a step.
+"""Time integration: drift, predictor, corrector and the end of a step.
+
+In the conservative scheme, without elastic bodies, forces act at the midpoint x^ of a step, and the particles move by
+half a step before and after them (the position form of the Verlet method: Leimkuhler and Reich 2004, section 2.6):
+
+    drift:      x^ = x + dt/2 u
+    predictor:  u* = u + dt (nu lap u + g)
+    corrector:  u' = u* + du,  x' = x^ + dt/2 u'     with du = -(dt/rho) grad p at x^
+
+For a wave, x'' = -omega^2 x, that is symplectic: it loses no energy, and its period is short by (omega dt)^2/24.
+
+Else the pressure is evaluated at predicted positions x*, for the damping of that: the determinant of such a step is
+1 - omega^2 dt^2, and a wave loses 2 pi omega dt of its energy a period.
 
     predictor:  u* = u + dt (nu lap u + g),  x* = x + dt u*
-    corrector:  u = u* + du,                 x = x* + dt du     with du = -(dt/rho) grad p
+    corrector:  u' = u* + du,                x' = x* + dt du     with du = -(dt/rho) grad p at x*
 
 The end of a step adds the velocity changes of collisions and the shifts, and applies the periodic boundaries.
 
 References:
     Koshizuka, S. and Oka, Y., Nuclear Science and Engineering 123 (1996) 421.
+    Leimkuhler, B. and Reich, S., Simulating Hamiltonian Dynamics (2004), Cambridge University Press.
 """
 
 import functools
@@ -21,10 +34,24 @@ from warp_mps.fluid.constants import fluid_constants_struct
 
 @functools.cache
 def integration_kernels(types: NumericTypes) -> SimpleNamespace:
-    """Kernels `predict`, `correct` and `end_step`."""
+    """Kernels `drift`, `predict`, `correct` and `end_step`."""
     real, vec, d = types.real, types.vec, types.dimension
     Constants = fluid_constants_struct(types)
     vec64 = wp.types.vector(length=d, dtype=wp.float64)
+
+    @types.kernel(METHOD)
+    def drift(
+        # Model:
+        fluid: Constants,
+        # State in:
+        dt: wp.array(dtype=wp.float64),  # time step [s], [1]
+        u: wp.array(dtype=vec),  # velocities [m/s], [n]
+        # State in and out:
+        x: wp.array(dtype=vec),  # positions [m], [n]
+    ):
+        """First half of the move of the fluid, x + dt/2 u."""
+        i = wp.tid() + fluid.walls
+        x[i] = x[i] + real(0.5) * real(dt[0]) * u[i]
 
     @types.kernel(METHOD)
     def predict(
@@ -40,7 +67,7 @@ def integration_kernels(types: NumericTypes) -> SimpleNamespace:
         impulse: wp.array(dtype=vec64),  # impulses on walls [N s], in 2-D [N s/m], [w]
         work: wp.array(dtype=wp.float64),  # work of walls on the fluid [J], in 2-D [J/m], [w]
     ):
-        """Predictor u* = u + dt (nu lap u + g), x* = x + dt u* of the fluid (Koshizuka & Oka 1996).
+        """Predictor u* = u + dt (nu lap u + g), and where there is no drift x* = x + dt u*.
 
         The viscous impulse on a wall particle is m dt nu lap u, and its work on the fluid -impulse . u.
         """
@@ -53,7 +80,8 @@ def integration_kernels(types: NumericTypes) -> SimpleNamespace:
         elif lost[i] == 0:
             u_i = u[i] + h * (fluid.gravity + acceleration[i])
             u[i] = u_i
-            x[i] = x[i] + h * u_i
+            if fluid.midpoint == 0:
+                x[i] = x[i] + h * u_i
 
     @types.kernel(METHOD)
     def correct(
@@ -66,11 +94,15 @@ def integration_kernels(types: NumericTypes) -> SimpleNamespace:
         x: wp.array(dtype=vec),  # positions [m], [n]
         u: wp.array(dtype=vec),  # velocities [m/s], [n]
     ):
-        """Corrector u = u* + du, x = x* + dt du of the fluid (Koshizuka & Oka 1996)."""
+        """Corrector u' = u* + du, x' = x^ + dt/2 u' of the fluid, or x' = x* + dt du."""
         k = wp.tid()
         i = k + fluid.walls
-        u[i] = u[i] + du[k]
-        x[i] = x[i] + real(dt[0]) * du[k]
+        u_i = u[i] + du[k]
+        u[i] = u_i
+        if fluid.midpoint == 1:
+            x[i] = x[i] + real(0.5) * real(dt[0]) * u_i
+        else:
+            x[i] = x[i] + real(dt[0]) * du[k]
 
     @types.kernel(METHOD)
     def end_step(
@@ -88,7 +120,9 @@ def integration_kernels(types: NumericTypes) -> SimpleNamespace:
         # State out:
         stale_out: wp.array(dtype=wp.int32),  # 1 if a particle has left the domain, else untouched, [1]
     ):
-        """End a step: u = u + du, x = x + dt du + shift, wrapped into the period L: x = x - L floor((x - low)/L).
+        """End a step: u = u + du, x = x + h du + shift, wrapped into the period L: x = x - L floor((x - low)/L).
+
+        h is the time that the last velocity has moved the particle for: dt/2, or dt where there is no drift.
 
         A particle that leaves the domain along an axis without a period is lost: it stays where it is, at rest.
         """
@@ -97,7 +131,10 @@ def integration_kernels(types: NumericTypes) -> SimpleNamespace:
         if lost[i] == 1:
             return
         u_i = u[i] + du[k]
-        x_i = x[i] + real(dt[0]) * du[k] + shift[k]
+        h = real(dt[0])
+        if fluid.midpoint == 1:
+            h *= real(0.5)
+        x_i = x[i] + h * du[k] + shift[k]
         for axis in range(wp.static(d)):
             if fluid.period[axis] > real(0.0):
                 wrapped = fluid.period[axis] * wp.floor((x_i[axis] - fluid.low[axis]) / fluid.period[axis])
@@ -112,4 +149,4 @@ def integration_kernels(types: NumericTypes) -> SimpleNamespace:
         x[i] = x_i
         u[i] = u_i
 
-    return SimpleNamespace(predict=predict, correct=correct, end_step=end_step)
+    return SimpleNamespace(drift=drift, predict=predict, correct=correct, end_step=end_step)

@@ -27,15 +27,31 @@ class WallMotion:
         self._runs = moving_runs(scene, particles)
         self._wall = wp.array(particles.walls, dtype=wp.int32, device=device)
         vec64 = wp.types.vector(length=types.dimension, dtype=wp.float64)
+        # velocities at the midpoint of a step, of no use
+        self._unused = wp.zeros_like(state.u)
         self._reference = wp.array(particles.positions, dtype=vec64, device=device)
 
     def place(self, time: wp.array) -> None:
         """Launch positions, velocities and accelerations of moving walls at a time [s], float64 [1]."""
+        self._place(time, self._state.u)
+
+    def place_midway(self, middle: wp.array, end: wp.array) -> None:
+        """Launch what the pressure needs at the midpoint of a step: positions and accelerations of moving walls there.
+
+        The velocities are those at the end of the step, which those of the fluid are made to match.
+
+        Args:
+            middle: Time at the midpoint [s], float64 [1].
+            end: Time at the end of the step [s], float64 [1].
+        """
+        self._place(end, self._state.u)
+        self._place(middle, self._unused)
+
+    def _place(self, time: wp.array, u: wp.array) -> None:
         if self._runs and self._poses:
-            state = self._state
             self._poses.evaluate(time)
             for first, count in self._runs:
-                self._poses.place(first, count, self._wall, self._reference, state.x, state.u, state.a)
+                self._poses.place(first, count, self._wall, self._reference, self._state.x, u, self._state.a)
 
     def rotations(self) -> np.ndarray:
         """Rotation vectors of the walls, 0 for the fluid [rad], shape [n, 1] in 2-D and [n, 3] in 3-D."""

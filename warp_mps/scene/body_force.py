@@ -30,9 +30,10 @@ class BodyForce(Record):
       own. Its types are those of the run: ``wp.vec2d`` or ``wp.vec3d`` and ``wp.float64``, in single precision
       ``wp.vec2`` or ``wp.vec3`` and ``wp.float32``; with arguments annotated as ``Any`` it serves both.
 
-    Fluids take the force that holds at the beginning of a step. Explicit steps of elastic bodies take it at both ends
-    of a step, and implicit ones at the places to which the velocities at the step's beginning lead. Its work is part of
-    the energies' `work`. Beside walls it is also evaluated at the places of their particles, for the pressure there.
+    Fluids take the force that holds at the midpoint of a step, with another scheme than `conservative` at its
+    beginning. Explicit steps of elastic bodies take it at both ends of a step, and implicit ones at the places to
+    which the velocities at the step's beginning lead. Its work is part of the energies' `work`. Beside walls it is
+    also evaluated at the places of their particles, for the pressure there.
 
     A run is resumed only with the same function: its code and the values that it encloses are compared, but not the
     global variables that it reads.

@@ -91,7 +91,15 @@ def divergence(fluids: Fluids, gap: np.ndarray, r: np.ndarray, near: np.ndarray,
         corrected = np.linalg.det(moments) > LEAST_DETERMINANT
         assert corrected.any()
         strain[corrected] = strain[corrected] @ np.linalg.inv(moments[corrected])
-    return np.trace(strain, axis1=1, axis2=2)
+    return rate_of_dilatation(strain, DT if fluids.model.midpoint else 0.0)
+
+
+def rate_of_dilatation(gradient: np.ndarray, h: float) -> np.ndarray:
+    """Rate at which a velocity of some gradient makes water expand that it moves for a time h, to second order."""
+    d = gradient.shape[-1]
+    div = np.trace(gradient, axis1=-2, axis2=-1)
+    deviator = gradient - div[..., None, None] / d * np.eye(d)
+    return div - 0.5 * h * np.einsum("...de,...ed->...", deviator, deviator)
 
 
 @pytest.mark.parametrize("scheme", SCHEMES)
@@ -276,13 +284,14 @@ def test_an_open_tank_has_the_pressure_of_its_depth(dimension: int, precision: s
     depth = small(dimension)[1] * L0 - x[:, 1]
     fluids.state.p.assign(RHO * 9.81 * depth)
     assembled(fluids)
-    # but for the one neighbour that the third row misses
-    np.testing.assert_allclose(fluids.state.p.numpy(), RHO * 9.81 * depth, atol=0.06 * RHO * 9.81 * L0)
+    # but for the one neighbour that the third row misses, which the source takes for a low density
+    most = 0.18 * np.sqrt(L0 / 9.81) / fluids.model.relaxation_time
+    np.testing.assert_allclose(fluids.state.p.numpy(), RHO * 9.81 * depth, atol=most * RHO * 9.81 * L0)
 
 
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_the_divergence_of_a_linear_velocity_is_exact_in_disorder(dimension: int) -> None:
-    """Inside and at the surface; a rotation and a shear have none."""
+    """Inside and at the surface; a shear has none, and a rotation that of particles moving on along their tangents."""
     cells = (8, 8) if dimension == 2 else (7, 7, 7)
     scene = scene_of(water([0.0] * dimension, [n * L0 for n in cells]), dimension=dimension)
     fluids = fluids_of(scene)
@@ -290,14 +299,19 @@ def test_the_divergence_of_a_linear_velocity_is_exact_in_disorder(dimension: int
     rhs = []
     rng = np.random.default_rng(4)
     gradient = rng.uniform(-1.0, 1.0, (dimension, dimension))
-    for g in (np.zeros_like(gradient), gradient, gradient - gradient.T):
+    turn, shear = gradient - gradient.T, np.zeros_like(gradient)
+    shear[0, 1] = 1.0
+    for g in (np.zeros_like(gradient), gradient, turn, shear):
         fluids.state.u.assign(fluids.state.x.numpy() @ g.T)
         fluids.state.p.zero_()
         rhs.append(assembled(fluids).step.pressure.rhs.numpy().copy())
     x = fluids.state.x.numpy()
     inside = np.all((x > L0) & (x < (np.array(cells) - 1) * L0), axis=1)
-    np.testing.assert_allclose((rhs[0] - rhs[1])[inside], RHO * np.trace(gradient) / DT, rtol=1e-9)
-    np.testing.assert_allclose((rhs[0] - rhs[2])[inside], 0.0, atol=1e-9 * RHO / DT)
+    for g, found in zip((gradient, turn, shear), rhs[1:], strict=True):
+        # the volume that a step of this velocity gives, (det(1 + DT g) - 1)/DT, to second order
+        change = (np.linalg.det(np.eye(dimension) + DT * (g - np.trace(g) / dimension * np.eye(dimension))) - 1.0) / DT
+        expected = np.trace(g) + change
+        np.testing.assert_allclose((rhs[0] - found)[inside], RHO * expected / DT, rtol=1e-9, atol=2e-6 * RHO / DT)
 
 
 def test_a_lattice_may_come_into_disorder_at_its_volume() -> None:

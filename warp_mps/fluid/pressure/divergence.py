@@ -1,6 +1,6 @@
 """Divergence of the predicted velocity.
 
-    div u = tr(L C),   L = sum_j u_ij (x) m_ij,   C^-1 = sum_j x_ij (x) m_ij,   m_ij = divergence x_ij/r^3
+    div u = tr(G),   G = L C,   L = sum_j u_ij (x) m_ij,   C^-1 = sum_j x_ij (x) m_ij,   m_ij = divergence x_ij/r^3
 
 It is exact for every linear velocity, however the particles lie. The rate of the number density, C = 1 (Khayyer & Gotoh
 2009), is not: a lattice that is strained gets denser by it at a constant volume, and a drop that is drawn out swells by
@@ -9,6 +9,14 @@ schemes keep it, and have no source at the free surface, where half of the pairs
 
 The velocity of a wall particle is the one that its pressure gradient turns into the wall's own, u_j + dt (g - a_j). A
 flat wall also continues the velocity along it; see `warp_mps.fluid.mirror_planes`.
+
+A velocity that moves the particles on for a time h changes volumes by det(1 + h G), not by h tr(G): water that is free
+of divergence where it starts gets denser by h |second invariant| where it is strained, and expands where it turns. So
+
+    rate of dilatation = tr(G) + h (second invariant of the deviator of G),   -tr(G' G')/2 with G' = G - tr(G)/d 1
+
+to second order in h, of the predicted velocity, whose deviator is that of the velocity at the end up to O(h). At
+predicted positions h = 0.
 
 References:
     Khayyer, A. and Gotoh, H., Coastal Engineering 56 (2009) 419.
@@ -31,8 +39,8 @@ LEAST_DETERMINANT = 0.1
 
 @functools.cache
 def divergence_functions(types: NumericTypes) -> SimpleNamespace:
-    """Struct `VelocitySums`; functions `divergence_weight`, `add_fluid_velocity`, `add_wall_velocity`, `divergence`."""
-    real, vec, mat = types.real, types.vec, types.mat
+    """Struct `VelocitySums`; functions `divergence_weight`, `add_fluid_velocity`, `add_wall_velocity` and the rate."""
+    real, vec, mat, d = types.real, types.vec, types.mat, types.dimension
     Constants = fluid_constants_struct(types)
     mirror_wall_strain = mirror_plane_kernels(types).mirror_wall_strain
 
@@ -74,11 +82,12 @@ def divergence_functions(types: NumericTypes) -> SimpleNamespace:
         sums.wall_strain += wp.outer(u_ij, m_ij)
 
     @types.func(METHOD)
-    def divergence(sums: VelocitySums, scheme: wp.int32, normal: vec, depth: real) -> real:
-        """Div u = tr(L C) [1/s], with C = 1 but for the conservative scheme.
+    def dilatation_rate(sums: VelocitySums, h: real, scheme: wp.int32, normal: vec, depth: real) -> real:
+        """Rate of dilatation over a time h [1/s], with C = 1 but for the conservative scheme; see the module.
 
         Args:
             sums: Sums over the neighbours.
+            h: Time that the velocity moves the particles for from here on [s].
             scheme: Discretization.
             normal: Normal into the wall whose face the particle is beside [-].
             depth: Distance from that face [m], 0 if there is none.
@@ -92,12 +101,14 @@ def divergence_functions(types: NumericTypes) -> SimpleNamespace:
         strain = sums.strain + wall_strain
         if scheme == wp.static(CONSERVATIVE) and wp.determinant(moments) > real(LEAST_DETERMINANT):
             strain = strain * wp.inverse(moments)
-        return wp.trace(strain)
+        div = wp.trace(strain)
+        deviator = strain - (div / real(wp.static(d))) * wp.identity(n=wp.static(d), dtype=real)
+        return div - real(0.5) * h * wp.trace(deviator * deviator)
 
     return SimpleNamespace(
         VelocitySums=VelocitySums,
         divergence_weight=divergence_weight,
         add_fluid_velocity=add_fluid_velocity,
         add_wall_velocity=add_wall_velocity,
-        divergence=divergence,
+        dilatation_rate=dilatation_rate,
     )

@@ -4,11 +4,13 @@ Row of a fluid particle i, over the fluid particles j, with c_ij = laplacian w_i
 
     sum_j c_ij (p_i - p_j) + (b_i + k_i) p_i = rho sum_w c_iw (g - a_w) . (x_iw - tilt_i) + rho s_i + k_i p_i^old
 
-Source: s = (e/tau - div u*)/dt. The first term restores the number density, e = n/n0 - 1, slowly, over
-tau = 3 sqrt(l0/g). An e from 0 to 0.1 l0^2/r_e^2 counts as 0: particles in disorder have that much at the volume of a
-lattice, and water at rest would swell by it. The original method has s = e/dt^2 alone. All of it removes the whole
-error in one step, by velocities of about e l0/dt that stay: the shorter the steps, the faster they are, and the shorter
-the next step. That runs away; a share of 0.2 does not, and errors still decay in some ten steps.
+Source: s = (e/tau - div u*)/dt, with the rate of dilatation of `warp_mps.fluid.pressure.divergence` for div u*. The
+first term restores the number density, e = n/n0 - 1, slowly: over tau = 2 sqrt(l0/g) at the midpoint of a step, where a
+dam break would lose 2 % of its volume with 3 sqrt(l0/g), and over 3 sqrt(l0/g) at predicted positions. An e from 0 to
+0.1 l0^2/r_e^2 counts as 0: particles in disorder have that much at the volume of a lattice, and water at rest would
+swell by it. The original method has s = e/dt^2 alone. All of it removes the whole error in one step, by velocities of
+about e l0/dt that stay: the shorter the steps, the faster they are, and the shorter the next step. That runs away; a
+share of 0.2 does not, and errors still decay in some ten steps.
 
 Walls w are not unknowns: the pressure beyond a wall follows from the wall's acceleration a_w, p_w - p_i =
 rho (g - a_w) . x_iw. Along a flat wall the conservative scheme adds the water's mirror image
@@ -63,7 +65,7 @@ def row_kernels(types: NumericTypes) -> SimpleNamespace:
     DensitySums, VelocitySums = density.DensitySums, velocity.VelocitySums
     add_density_pair, is_free_surface = density.add_density_pair, density.is_free_surface
     beyond_surface, density_scale = density.beyond_surface, density.density_scale
-    divergence_weight, divergence = velocity.divergence_weight, velocity.divergence
+    divergence_weight, dilatation_rate = velocity.divergence_weight, velocity.dilatation_rate
     add_fluid_velocity, add_wall_velocity = velocity.add_fluid_velocity, velocity.add_wall_velocity
 
     @wp.struct
@@ -112,7 +114,7 @@ def row_kernels(types: NumericTypes) -> SimpleNamespace:
         neighbours: Neighbours,
         # State in:
         dt: wp.array(dtype=wp.float64),  # time step [s], [1]
-        x: wp.array(dtype=vec),  # predicted positions [m], [n]
+        x: wp.array(dtype=vec),  # positions at which the pressure is evaluated [m], [n]
         u: wp.array(dtype=vec),  # predicted velocities, of walls their own [m/s], [n]
         a: wp.array(dtype=vec),  # accelerations of walls [m/s^2], [n]
         p: wp.array(dtype=wp.float64),  # pressures of the last step [Pa], [m]
@@ -186,7 +188,7 @@ def row_kernels(types: NumericTypes) -> SimpleNamespace:
         tilt = walls.lean / wp.max(walls.share, fluid.laplacian * real(1.0e-6))
         given = fluid.density * (walls.pressure - wp.dot(walls.pull, tilt))
         if not surface or fluid.scheme == wp.static(CONSERVATIVE):
-            div = divergence(velocities, fluid.scheme, normal_i, depth_i)
+            div = dilatation_rate(velocities, real(fluid.midpoint) * h, fluid.scheme, normal_i, depth_i)
             given += fluid.density * source(e, div, h, fluid)
 
         n_out[k] = sums.n
