@@ -112,6 +112,7 @@ class Animation:
         self._require_units()
         with quiet(self.path), refuse_damage(self.path):
             self.clouds = tuple(_cloud(item, self.path) for item in points)
+            self._origins = [_origin(item, self.path) for item in points]
         self.times = np.array(self.codes) / self._stage.GetTimeCodesPerSecond()
         self.playback_rate = float(self._stage.GetFramesPerSecond())
         self.meters_per_unit = float(UsdGeom.GetStageMetersPerUnit(self._stage))
@@ -139,6 +140,11 @@ class Animation:
         if not all(abs(code) <= LARGEST for code in self.codes):
             raise InputError(str(self.path), "", "has a frame at a time that is not finite")
 
+    @property
+    def point_type(self) -> type[np.floating[Any]]:
+        """Precision that positions need: double where the coordinates of a cloud begin far from the stage's origin."""
+        return np.float64 if any(origin.any() for origin in self._origins) else np.float32
+
     def __len__(self) -> int:
         """Number of frames."""
         return len(self.codes)
@@ -154,7 +160,8 @@ class Animation:
 
     def points(self, cloud: int, frame: int) -> np.ndarray:
         """Positions of a cloud [stage units], shape [n, 3]."""
-        return self._sound(cloud, frame, "points", self._get(self._points[cloud].GetPointsAttr(), frame), (3,))
+        values = self._sound(cloud, frame, "points", self._get(self._points[cloud].GetPointsAttr(), frame), (3,))
+        return values + self._origins[cloud]
 
     def velocities(self, cloud: int, frame: int) -> np.ndarray:
         """Velocities of a cloud [stage units/s], shape [n, 3]."""
@@ -224,6 +231,19 @@ def _per_particle(path: Path, prim: Usd.Prim, name: str, value: Any, count: int 
         wanted = "" if count is None else f", {count} of them"
         raise InputError(str(path), f"{prim.GetName()}.{name}", f"must be finite numbers, one a particle{wanted}")
     return array
+
+
+def _origin(item: UsdGeom.Points, path: Path) -> np.ndarray:
+    """Where the coordinates of a cloud begin [stage units], shape [3].
+
+    Raises:
+        InputError: The cloud is turned or scaled, which no result is, or the place is not finite.
+    """
+    matrix = np.array(UsdGeom.Xformable(item).ComputeLocalToWorldTransform(Usd.TimeCode.Default()))
+    if not (np.array_equal(matrix[:, :3][:3], np.eye(3)) and (np.abs(matrix[3, :3]) <= LARGEST).all()):
+        reason = "is turned, scaled or nowhere, must be moved only: as warp_mps writes a scene far from the origin"
+        raise InputError(str(path), item.GetPrim().GetName(), reason)
+    return matrix[3, :3]
 
 
 def _cloud(item: UsdGeom.Points, path: Path) -> Cloud:

@@ -15,6 +15,7 @@ from warp_mps.observers.causes import FOR_CLOSED
 from warp_mps.observers.guest import guests
 from warp_mps.observers.progress import Progress
 from warp_mps.results.summary import RunSummary
+from warp_mps.run.far_scenes import remarks_on_far_scene
 from warp_mps.run.folder import claim_folder, require_folder
 from warp_mps.run.locks import lock_folder
 from warp_mps.run.provenance import differences, fingerprint, identity, versions
@@ -81,6 +82,7 @@ def run_scene(
             say(f"the time step of {longest:.4g} s is above the limit of {limit:.4g} s: expect an unstable run")
         closed = _is_closed(simulation)
         found = remarks_on_case(scene, simulation.particles)
+        found += remarks_on_far_scene(scene, simulation.particles, precision)
         if closed:
             found += _remarks_on_closed_fluid(scene)
         for line in [] if quiet else found:

@@ -17,6 +17,7 @@ from warp_mps.observers.guard import find_not_finite
 from warp_mps.particles.filling import fill_scene
 from warp_mps.run.cost import refuse_too_large
 from warp_mps.run.device_arrays import device_arrays
+from warp_mps.run.far_scenes import refuse_far_scene
 from warp_mps.run.readings import Readings
 from warp_mps.run.schedule import Clock, Trigger
 from warp_mps.run.steps import PacedSteps, ReplayedSteps, Steps, ThreadedSteps, require_threads
@@ -98,6 +99,7 @@ class Simulation(Readings):
             refuse_too_large(scene, available=float(self._device.free_memory), memory="GPU memory")
         self.scene, self.precision, self.step = scene, precision, 0
         self.clock, particles = Clock(scene), fill_scene(scene)
+        refuse_far_scene(scene, particles, precision)
         with warp_turn:
             options: dict[str, Any] = {"types": numeric_types(scene.dimension, precision), "device": self._device}
             made = make_system(scene, particles, self.clock, graphs=graphs, announce=announce, **options)

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from pxr import Usd, UsdGeom, UsdPhysics
+from pxr import Sdf, Usd, UsdGeom, UsdPhysics
 
 from tests.observers.views import blocks
 from tests.usd.animation.other_process import frames_seen_by_another_process
@@ -17,6 +17,7 @@ from warp_mps.particles.filling import fill_scene
 from warp_mps.particles.particles import Particles
 from warp_mps.scene import StageFrame
 from warp_mps.usd.animation import points_file as points
+from warp_mps.usd.animation.local_origin import local_origin
 from warp_mps.usd.animation.writer import AnimationWriter
 
 PLANE = StageFrame(axes="xz", up_axis="Z", meters_per_unit=0.01, kilograms_per_unit=0.001)
@@ -273,3 +274,51 @@ def test_a_file_that_is_open_shows_the_frames_of_the_run_that_replaced_it(tmp_pa
         opened.append(Usd.Stage.Open(str(path)))
         assert body(opened[-1], "left").GetPointsAttr().GetNumTimeSamples() == len(frames)
     assert body(opened[0], "left").GetPointsAttr().GetNumTimeSamples() == 3
+
+
+FAR = np.array([450_000.0, 5_000_000.0])
+
+
+def test_a_scene_far_from_the_origin_has_a_local_one(tmp_path: Path) -> None:
+    """Single precision leaves 0.5 m of points that are 5000 km away; relative to a local origin it is 1e-9 m."""
+    near = fill_scene(blocks())
+    far = dataclasses.replace(near, positions=near.positions + FAR)
+    animation = writer(tmp_path / "far.usdc", far)
+    write(animation, far, 0, 1)
+    animation.close()
+    stage = Usd.Stage.Open(str(tmp_path / "far.usdc"))
+    for name, (first, last) in zip(near.names, near.ranges, strict=True):
+        prim = UsdGeom.Points(stage.GetPrimAtPath(f"/Result/{name}"))
+        local = np.array(prim.GetPointsAttr().Get(0.0), float)
+        place = np.array(UsdGeom.Xformable(prim).ComputeLocalToWorldTransform(0.0))[3, :3]
+        world = (local + place) * PLANE.meters_per_unit
+        np.testing.assert_allclose(world[:, [0, 2]], far.positions[first:last], rtol=0.0, atol=1e-8)
+        assert len(np.unique(local[:, 0])) == len(np.unique(near.positions[first:last, 0].round(9)))
+        box = np.array(prim.GetExtentAttr().Get(0.0))
+        assert (box[0] < local.min(axis=0) + 1e-6).all()
+        assert (box[1] > local.max(axis=0) - 1e-6).all()
+    # the camera looks at the middle of what there is
+    camera = UsdGeom.Xformable(stage.GetPrimAtPath("/Scenery/Camera")).ComputeLocalToWorldTransform(0.0)
+    middle = far.positions.mean(axis=0) / PLANE.meters_per_unit
+    np.testing.assert_allclose(np.array(camera)[3, [0, 2]], middle, rtol=0.0, atol=20.0)
+
+
+def test_a_far_animation_is_continued(tmp_path: Path) -> None:
+    near = fill_scene(blocks())
+    far = dataclasses.replace(near, positions=near.positions + FAR)
+    animation = writer(tmp_path / "far.usdc", far)
+    write(animation, far, 0, 1, 2)
+    animation.close()
+    whole = Sdf.Layer.OpenAsAnonymous(str(tmp_path / "far.usdc")).ExportToString()
+    again = resumed(tmp_path / "far.usdc", far, 0.005)
+    write(again, far, 2)
+    again.close()
+    assert Sdf.Layer.OpenAsAnonymous(str(tmp_path / "far.usdc")).ExportToString() == whole
+
+
+def test_scenes_near_the_origin_keep_the_stages_coordinates() -> None:
+    near = fill_scene(blocks())
+    for far in (0.0, 3.0, 40.0):
+        moved = dataclasses.replace(near, positions=near.positions + far)
+        assert not local_origin(moved, PLANE).any()
+    assert local_origin(dataclasses.replace(near, positions=near.positions + 1e4), PLANE)[[0, 2]].any()

@@ -82,7 +82,7 @@ def _content(animation: Animation, number: int, frame: int) -> str:
         "role": cloud.role,
         **{name: value if isinstance(value, str) else float(value) for name, value in animation.provenance.items()},
     }
-    points = animation.points(number, frame).astype(np.float32)
+    points = animation.points(number, frame).astype(animation.point_type)
     return polydata(points, arrays, units=units_of(animation), facts=facts)
 
 

@@ -80,7 +80,8 @@ def _write(animation: Animation, number: int, path: Path) -> None:
         for frame in range(frames):
             for name, values in _arrays(animation, number, frame).items():
                 if name not in root:
-                    root.create_dataset(name, (frames * count, *values.shape[1:]), np.float32)
+                    width = animation.point_type if name == "Points" else np.float32
+                    root.create_dataset(name, (frames * count, *values.shape[1:]), width)
                     if name.startswith("PointData/"):
                         steps[name.replace("PointData", "PointDataOffsets")] = count * np.arange(frames)
                 root[name][frame * count : (frame + 1) * count] = values

@@ -48,7 +48,7 @@ def make_frames(animation: Animation) -> Frames:
     numbers = [number for number, cloud in enumerate(animation.clouds) if len(cloud.ids)]
     moving = sum(len(animation.clouds[number].ids) for number in numbers if _moves(animation, number))
     chosen = _choose_frames(len(animation), moving)
-    points = {n: np.stack([animation.points(n, k) for k in chosen]).astype(np.float32) for n in numbers}
+    points = {n: np.stack([animation.points(n, k) for k in chosen]).astype(animation.point_type) for n in numbers}
     axes = axes_of(points, animation.up_axis)
     columns = ["xyz".index(axis) for axis in axes]
     places = {n: animation.meters_per_unit * value[..., columns] for n, value in points.items()}

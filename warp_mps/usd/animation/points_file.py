@@ -10,13 +10,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from pxr import Sdf, Tf, Usd, UsdGeom, UsdPhysics, Vt
+from pxr import Gf, Sdf, Tf, Usd, UsdGeom, UsdPhysics, Vt
 
 from warp_mps.errors import InputError, RunError
 from warp_mps.particles.particles import Particles
 from warp_mps.scene import OUTPUTS
+from warp_mps.usd.animation.local_origin import local_origin
 from warp_mps.usd.animation.occlusion import occluding_walls
-from warp_mps.usd.animation.scenery import Scenery, paint
+from warp_mps.usd.animation.scenery import SCENERY, Scenery, paint
 
 if TYPE_CHECKING:
     from warp_mps.scene import StageFrame
@@ -70,7 +71,8 @@ class PointsFile:
     def create(cls, path: Path, particles: Particles, frame: StageFrame, *, frame_rate: float) -> PointsFile:
         """Make a file without frames; `frame_rate` is in frames per simulated second [1/s]."""
         stage = Usd.Stage.CreateNew(str(path))
-        _define_stage(stage, frame, frame_rate)
+        origin = local_origin(particles, frame)
+        _define_stage(stage, frame, frame_rate, origin)
         for index in range(len(particles.names)):
             _define_body(stage, particles, index, frame)
         for name in occluding_walls(particles, frame):
@@ -221,8 +223,12 @@ def _erase_time_sample(layer: Any, code: float) -> None:
             layer.EraseTimeSample(attribute.path, code)
 
 
-def _define_stage(stage: Any, frame: StageFrame, frame_rate: float) -> None:
-    stage.SetDefaultPrim(UsdGeom.Xform.Define(stage, ROOT).GetPrim())
+def _define_stage(stage: Any, frame: StageFrame, frame_rate: float, origin: np.ndarray) -> None:
+    root = UsdGeom.Xform.Define(stage, ROOT)
+    stage.SetDefaultPrim(root.GetPrim())
+    if origin.any():
+        root.AddTranslateOp().Set(Gf.Vec3d(*origin.tolist()))
+        UsdGeom.Xform.Define(stage, SCENERY).AddTranslateOp().Set(Gf.Vec3d(*origin.tolist()))
     UsdGeom.SetStageUpAxis(stage, frame.up_axis)
     UsdGeom.SetStageMetersPerUnit(stage, frame.meters_per_unit)
     UsdPhysics.SetStageKilogramsPerUnit(stage, frame.kilograms_per_unit)

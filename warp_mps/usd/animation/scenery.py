@@ -45,7 +45,7 @@ class Scenery:
         self._axes = plane_axes(out_of_plane[0], up) if out_of_plane else space_axes(up)
         # the backdrop's normal
         self._rise = self._axes[2] if out_of_plane else np.eye(3)[up]
-        if not stage.GetPrimAtPath(SCENERY):
+        if not stage.GetPrimAtPath(f"{SCENERY}/Camera"):
             self._define(stage)
         self._camera = UsdGeom.Camera(stage.GetPrimAtPath(f"{SCENERY}/Camera"))
         self._backdrop = UsdGeom.Mesh(stage.GetPrimAtPath(f"{SCENERY}/Backdrop"))
@@ -109,7 +109,9 @@ class Scenery:
         self._backdrop.CreateExtentAttr(Vt.Vec3fArray.FromNumpy(extent))
 
     def _define(self, stage: Any) -> None:
-        UsdGeom.Scope.Define(stage, SCENERY)
+        # an animation with a local origin has made a prim that is moved there
+        if not stage.GetPrimAtPath(SCENERY):
+            UsdGeom.Scope.Define(stage, SCENERY)
         UsdGeom.Camera.Define(stage, f"{SCENERY}/Camera").AddTransformOp()
         backdrop = UsdGeom.Mesh.Define(stage, f"{SCENERY}/Backdrop")
         backdrop.CreateFaceVertexCountsAttr([4])

@@ -15,6 +15,7 @@ from pxr import Sdf, Tf
 from warp_mps.errors import InputError, RunError
 from warp_mps.particles.particles import Particles
 from warp_mps.usd.animation.frame_digest import FrameDigest, digest_of
+from warp_mps.usd.animation.local_origin import local_origin
 from warp_mps.usd.animation.points_file import ROOT, PointsFile, first_error, open_until
 from warp_mps.usd.case.isolated_open import open_isolated
 from warp_mps.usd.case.open_stage import quiet, refuse_damage
@@ -23,11 +24,17 @@ if TYPE_CHECKING:
     from warp_mps.scene import StageFrame
 
 
-def to_stage_axes(values: np.ndarray, frame: StageFrame) -> np.ndarray:
-    """Turn vectors of the scene [n, dimension] into vectors along the stage's axes, float32, shape [n, 3]."""
+def to_stage_axes(values: np.ndarray, frame: StageFrame, origin: np.ndarray | None = None) -> np.ndarray:
+    """Turn vectors of the scene [n, dimension] into vectors along the stage's axes, float32, shape [n, 3].
+
+    Args:
+        values: The vectors.
+        frame: How the scene lies in its stage.
+        origin: What is subtracted from them before they are rounded, along the stage's axes, shape [3].
+    """
     columns = ["xyz".index(axis) for axis in frame.axes]
     mapped = np.zeros((len(values), 3), dtype=np.float32)
-    mapped[:, columns] = values
+    mapped[:, columns] = values if origin is None else values - origin[columns]
     return mapped
 
 
@@ -73,7 +80,8 @@ class AnimationWriter:
     beside the file take turns, and the file's own name is a hard link to the one that was completed last. A frame
     costs two saves, whatever the number of frames before it.
 
-    Points, velocities, extents and widths are in the stage's axes and units; primvars are in SI units.
+    Points, velocities, extents and widths are in the stage's axes and units; primvars are in SI units. The points of a
+    scene far from the origin are relative to a local one, whose place is the translation of the prim above them.
 
     Args:
         path: File to write, ending in ``.usdc``; the first frame replaces an existing one.
@@ -97,7 +105,7 @@ class AnimationWriter:
         provenance: Mapping[str, str | float | int],
         primvars: Sequence[str] = (),
     ) -> None:
-        self._setup(path, frame, frame_rate, primvars)
+        self._setup(path, particles, frame, frame_rate, primvars)
         with _writable(self._path):
             self._copies = [PointsFile.create(name, particles, frame, frame_rate=frame_rate) for name in self._names]
         for copy in self._copies:
@@ -124,7 +132,7 @@ class AnimationWriter:
             InputError: There is no such file, or it holds other particles or frames.
         """
         writer = cls.__new__(cls)
-        writer._setup(path, frame, frame_rate, primvars)
+        writer._setup(path, particles, frame, frame_rate, primvars)
         if os.path.isfile(path):
             open_isolated(path, allow_external=False)
         with quiet(writer._path), refuse_damage(writer._path):
@@ -145,11 +153,15 @@ class AnimationWriter:
             writer._publish(copy.path)
         return writer
 
-    def _setup(self, path: str | Path, frame: StageFrame, frame_rate: float, primvars: Sequence[str]) -> None:
+    def _setup(
+        self, path: str | Path, particles: Particles, frame: StageFrame, frame_rate: float, primvars: Sequence[str]
+    ) -> None:
         self._path = Path(path)
         if self._path.suffix != ".usdc":
             raise InputError(str(path), "", "an animation is written as .usdc; give a name that ends so")
         self._frame, self._rate, self._primvars = frame, frame_rate, tuple(primvars)
+        origin = local_origin(particles, frame)
+        self._origin = origin if origin.any() else None
         self._names = copies_of(self._path)
         self._digest = FrameDigest()
         self._path.parent.mkdir(parents=True, exist_ok=True)
@@ -178,7 +190,7 @@ class AnimationWriter:
             raise ValueError(f"primvars are {sorted(self._primvars)}, not {sorted(primvars)}")
         unit = self._frame.meters_per_unit
         values = {name: self._primvar(value) for name, value in primvars.items()}
-        values["points"] = to_stage_axes(positions / unit, self._frame)
+        values["points"] = to_stage_axes(positions / unit, self._frame, self._origin)
         values["velocities"] = to_stage_axes(velocities / unit, self._frame)
         if kept:
             self._digest.add(self._code(time), self._copies[0].parts(values))
