@@ -65,6 +65,25 @@ def test_what_has_left_the_domain(basin: Scene) -> None:
     assert line == "1 fluid particle has left the domain at its low y end, as at (0.5, -500) m"
 
 
+def test_water_that_runs_out_below_a_side_has_left_over_the_end_of_the_floor(tmp_path: Path) -> None:
+    """The right side ends 4 spacings above the floor, and the floor below its middle."""
+    walls = (
+        mps.Wall(name="floor", shape=cells([-3, -3], [12, 0]), spacing=L0),
+        mps.Wall(name="left", shape=cells([-3, 0], [0, 14]), spacing=L0),
+        mps.Wall(name="right", shape=cells([10, 4], [13, 14]), spacing=L0),
+    )
+    water = mps.Fluid(name="water", shape=cells([0, 0], [10, 8]), spacing=L0)
+    scene = mps.Scene(name="gap", walls=walls, fluids=(water,), gravity=(0.0, -GRAVITY), duration=0.4)
+    summary = mps.run_scene(scene, tmp_path / "run", quiet=True)
+    (line,) = [line for line in summary.remarks if "outside the tank" in line]
+    found = re.match(r"(\d+) .* over the top of 'floor', as at \((.*), (.*)\) m", line)
+    assert found is not None
+    count, x, y = found.groups()
+    assert summary.fluid["outside"] == int(count) > 0
+    assert 8 * L0 < float(x) < 14 * L0
+    assert 0.0 < float(y) < 4 * L0
+
+
 def test_a_run_says_how_much_ran_over_and_keeps_it(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
     """Water higher than the right side of its tank runs over it."""
     walls = (
@@ -78,5 +97,9 @@ def test_a_run_says_how_much_ran_over_and_keeps_it(tmp_path: Path, capfd: pytest
     lines = [line for line in summary.remarks if "outside the tank at the end: over the top of 'right'" in line]
     assert len(lines) == 1
     assert lines[0] in capfd.readouterr().err
+    assert summary.fluid["outside"] > 0
+    # others are on their way over the wall, and still above it
+    assert summary.fluid["outside"] == int(lines[0].split()[0])
+    assert f", {summary.fluid['outside']} particles outside the tank" in str(summary)
     assert read_summary(tmp_path / "run" / "run.json").remarks == summary.remarks
     assert not any("through" in line for line in summary.remarks)

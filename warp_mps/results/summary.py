@@ -47,7 +47,8 @@ class RunSummary:
             :func:`energy_record`.
         momentum_error: Largest resultant of the internal forces in a frame, as a part of the largest sum of their
             magnitudes [-].
-        fluid: Of fluids, particles `lost`, iterations and largest true residual of the pressure solves, and how many
+        fluid: Of fluids, particles `lost` from the domain and those that are `outside` their tank at the end, with no
+            wall and no body below them, iterations and largest true residual of the pressure solves, and how many
             stayed `unsolved`.
         implicit: Of a static analysis and of implicit steps, statistics of the solvers: `equilibria` solved,
             Newton iterations, iterations of the linear solver, renewals of its coarse level, largest residual
@@ -219,11 +220,12 @@ def _account(summary: RunSummary) -> str:
     """Accuracy of a run: its energy drift, or with fluids, which dissipate, statistics of the pressure solves."""
     if not summary.fluid:
         return f"energy drift {percent(summary.energy.get('drift'))}"
-    lost, unsolved = (int(summary.fluid.get(name, 0)) for name in ("lost", "unsolved"))
+    lost, outside, unsolved = (int(summary.fluid.get(name, 0)) for name in ("lost", "outside", "unsolved"))
     text = f"{summary.fluid.get('pressure_iterations', 0.0):.3g} iterations a pressure solve"
     text += f", {unsolved} UNSOLVED" if unsolved else ""
     if summary.coupling:
         unconverged = int(summary.coupling.get("unconverged", 0))
         text += f", {summary.coupling.get('passes', 0.0):.3g} passes a step between water and bodies"
         text += f", {unconverged} steps UNCONVERGED" if unconverged else ""
+    text += f", {outside} particles outside the tank" if outside else ""
     return text + (f", {lost} particles lost" if lost else "")

@@ -30,6 +30,7 @@ from warp_mps.run.provenance import fingerprint, identity, provenance, versions
 from warp_mps.run.remarks import remarks_on_end
 from warp_mps.run.schedule import Trigger
 from warp_mps.run.simulation import Simulation
+from warp_mps.run.spilled import count_spilled
 
 EMPTY: Mapping[str, Any] = MappingProxyType({})
 
@@ -203,6 +204,8 @@ class Recording:
         simulation, history = self._simulation, self._probes.history
         wall, particles, steps = self._wall_seconds(), simulation.particles, simulation.steps_done
         solvers: dict[str, Any] = {**simulation.record()}
+        if "fluid" in solvers:
+            solvers["fluid"]["outside"] = count_spilled(simulation.scene, particles, simulation.positions)
         self.remarks = remarks_on_end(simulation.scene, particles, simulation.positions, simulation.velocities)
         done = {"solid": steps * particles.elastic, "fluid": steps * particles.liquid}
         self._summary = replace(

@@ -37,6 +37,19 @@ def remarks_on_spilled_fluid(
     ]
 
 
+def count_spilled(scene: Scene, particles: Particles, positions: np.ndarray) -> int:
+    """Number of fluid particles in the domain that have no wall and no body below them.
+
+    Args:
+        scene: The case.
+        particles: Its particles.
+        positions: Their positions [m], shape [n, d].
+    """
+    if not np.isfinite(positions).all():
+        return 0
+    return int(_falling(scene, particles, positions).sum())
+
+
 def _falling(scene: Scene, particles: Particles, positions: np.ndarray) -> np.ndarray:
     """Which fluid particles in the domain have nothing below them, shape [m]."""
     first = particles.count - particles.liquid

@@ -19,6 +19,7 @@ STATES = {
 }
 RECORDS = {
     "lost": "particles that left the domain",
+    "outside": "particles outside the tank at the end",
     "pressure_iterations": "iterations of a pressure solve, mean",
     "most_pressure_iterations": "iterations of a pressure solve, most",
     "worst_pressure_residual": "relative residual of a pressure solve, worst",
