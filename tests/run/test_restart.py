@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from pxr import Sdf, Vt
 
-from tests.coupling.scenes import IMPLICIT, lump, pool
+from tests.coupling.scenes import IMPLICIT, RUBBING, busy, lump, pool
 from tests.elastic.implicit.test_static import cantilever
 from tests.elastic.implicit.test_theta_rule import rod
 from tests.fluid.scenes import tank
@@ -214,6 +214,56 @@ def test_counters_that_are_none_are_refused(count: float, tmp_path: Path) -> Non
     cp.save_checkpoint(tmp_path, fingerprint(scene, "float64"), replace(found, arrays=arrays))
     with pytest.raises(InputError, match=r"does not fit this case: counters are .* must be whole numbers of 0 or more"):
         run_scene(scene, tmp_path, quiet=True, resume=True)
+
+
+def filled(value: int) -> Callable[[np.ndarray], np.ndarray]:
+    """An array of the same shape and type whose last item is another."""
+
+    def change(array: np.ndarray) -> np.ndarray:
+        changed = array.copy()
+        changed.flat[-1] = value
+        return changed
+
+    return change
+
+
+INDICES = (
+    ("water_order", filled(10**9), r"order must hold each whole number from 0 to \d+ once"),
+    ("water_order", filled(-1), "order must hold each"),
+    ("water_order", filled(0), "order must hold each"),
+    ("water_lost", filled(2), "lost holds 2, must be 0 to 1"),
+    ("water_stale", filled(-1), "stale holds -1, must be 0 to 1"),
+    ("water_steps", filled(-5), "counters are"),
+    ("water_learnt_sizes", filled(-1), "counters are"),
+    ("water_learnt_sizes", filled(10**9), r"learnt_sizes name \d+ columns, learnt holds \d+"),
+    ("water_learnt", lambda learnt: learnt[:, :, 1:].copy(), "learnt is of shape"),
+    ("bodies_steps", filled(-1), "counters are"),
+    ("bodies_gripped", filled(10**6), r"gripped holds 1000000, must be 0 to \d+"),
+    ("bodies_gripped", filled(-1), "gripped holds -1"),
+)
+
+
+@pytest.fixture(scope="module")
+def rubbed(tmp_path_factory: pytest.TempPathFactory) -> tuple[Scene, Path]:
+    """Two bodies that rub in water, and their results."""
+    scene, out = busy(**{**RUBBING, "duration": 0.02, "frame_rate": 200.0}), tmp_path_factory.mktemp("rubbed")
+    run_scene(scene, out, quiet=True)
+    return scene, out
+
+
+@pytest.mark.parametrize(("name", "change", "reason"), INDICES)
+def test_indices_and_flags_that_are_none_are_refused(
+    rubbed: tuple[Scene, Path], tmp_path: Path, name: str, change: Callable, reason: str
+) -> None:
+    scene, out = rubbed
+    folder = Path(shutil.copytree(out, tmp_path / "out"))
+    found = cp.load_checkpoint(folder, fingerprint(scene, "float64"))
+    arrays = {**found.arrays, name: change(found.arrays[name])}
+    cp.save_checkpoint(folder, fingerprint(scene, "float64"), replace(found, arrays=arrays))
+    before = contents(folder)
+    with pytest.raises(InputError, match=rf"checkpoint\.npz: does not fit this case: {reason}.*; start a new run"):
+        run_scene(replace(scene, duration=0.03), folder, quiet=True, resume=True)
+    assert contents(folder) == before
 
 
 def test_a_refusal_says_what_has_changed(folder: Path) -> None:

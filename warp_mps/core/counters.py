@@ -18,3 +18,14 @@ def whole_numbers(values: np.ndarray) -> list[int]:
     if not ((found >= 0.0) & (found <= MOST) & (found == np.floor(found))).all():
         raise ValueError(f"counters are {found.tolist()}, must be whole numbers of 0 or more")
     return [int(value) for value in found]
+
+
+def require_within(name: str, values: np.ndarray, most: int) -> None:
+    """Require integers, such as flags or indices, from 0 up to the largest that there is.
+
+    Raises:
+        ValueError: One of them is not.
+    """
+    wrong = np.flatnonzero((values < 0) | (values > most))
+    if len(wrong):
+        raise ValueError(f"{name} holds {values.ravel()[wrong[0]]}, must be 0 to {most}")

@@ -17,6 +17,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from warp_mps.core.counters import whole_numbers
+
 # a column is dropped if its diagonal entry in R is below this part of the largest
 FILTER = 1e-6
 
@@ -81,6 +83,12 @@ class InterfaceQuasiNewton:
         return np.array([len(step) for step in self._earlier], int)
 
     def assign(self, memory: np.ndarray, sizes: np.ndarray) -> None:
-        """Continue from what `memory` and `sizes` gave, between two steps."""
+        """Continue from what `memory` and `sizes` gave, between two steps.
+
+        Raises:
+            ValueError: A size is no whole number of 0 or more, or they are not those of the columns.
+        """
+        if (columns := sum(whole_numbers(sizes))) != len(memory):
+            raise ValueError(f"learnt_sizes name {columns} columns, learnt holds {len(memory)}")
         self._earlier = [step.copy() for step in np.split(memory, np.cumsum(sizes)[:-1])] if len(sizes) else []
         self._columns, self._last = [], None

@@ -146,7 +146,14 @@ class FixedPointPasses:
         return {"guess": self.guess, **learnt, "passes_statistics": self.statistics.state()}
 
     def assign(self, arrays: dict[str, np.ndarray]) -> None:
-        """Continue from arrays that `arrays` gave."""
+        """Continue from arrays that `arrays` gave.
+
+        Raises:
+            ValueError: What has been learnt is not of these markers, or a counter is none.
+        """
+        learnt, wanted = arrays["learnt"].shape, (2, self.guess.size)
+        if learnt[0] and learnt[1:] != wanted:
+            raise ValueError(f"learnt is of shape {learnt}, must be of shape {(learnt[0], *wanted)}")
         self.statistics.assign(arrays["passes_statistics"])
         self.guess = arrays["guess"].copy()
         self._quasi_newton.assign(arrays["learnt"], arrays["learnt_sizes"])

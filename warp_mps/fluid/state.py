@@ -8,6 +8,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 import warp as wp
 
+from warp_mps.core.counters import require_within, whole_numbers
 from warp_mps.fluid.model import FluidModel
 from warp_mps.fluid.neighbours import NeighbourLists
 
@@ -62,7 +63,16 @@ class FluidState:
         return {**device, "u_before": self.u_before, "interval": np.array(self.interval)}
 
     def assign(self, arrays: dict[str, np.ndarray]) -> None:
-        """Continue from arrays that `arrays` gave."""
+        """Continue from arrays that `arrays` gave.
+
+        Raises:
+            ValueError: The order does not hold every particle once, or a flag or a counter is none.
+        """
+        if not np.array_equal(np.sort(arrays["order"]), np.arange(len(self.order))):
+            raise ValueError(f"order must hold each whole number from 0 to {len(self.order) - 1} once")
+        require_within("lost", arrays["lost"], 1)
+        require_within("stale", arrays["stale"], 1)
+        whole_numbers(arrays["steps"])
         for name in _device_fields():
             getattr(self, name).assign(arrays[name])
         self.u_before, self.interval = arrays["u_before"].copy(), float(arrays["interval"])

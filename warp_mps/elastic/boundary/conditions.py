@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import warp as wp
 
+from warp_mps.core.counters import whole_numbers
 from warp_mps.core.types import NumericTypes
 from warp_mps.elastic.boundary.boundary_kernels import boundary_kernels
 from warp_mps.elastic.state import ElasticState
@@ -120,7 +121,12 @@ class BoundaryConditions:
         return arrays
 
     def assign(self, arrays: dict[str, np.ndarray]) -> None:
-        """Continue from arrays that `arrays` gave."""
+        """Continue from arrays that `arrays` gave.
+
+        Raises:
+            ValueError: The number of steps is below 0.
+        """
+        whole_numbers(arrays["steps"])
         self.steps.assign(arrays["steps"])
         for k, action in enumerate(self._actions()):
             action.last.assign(arrays[f"last_{k}"])

@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 import warp as wp
 
+from warp_mps.core.counters import require_within
 from warp_mps.core.types import NumericTypes
 from warp_mps.elastic.contact.friction_kernels import friction_kernels
 from warp_mps.elastic.contact.kernels import PARTICLES_PER_THREAD
@@ -92,7 +93,12 @@ class Friction:
         return {name: array.numpy().copy() for name, array in self._evolving().items()}
 
     def assign(self, arrays: dict[str, np.ndarray]) -> None:
-        """Continue from arrays that `arrays` gave."""
+        """Continue from arrays that `arrays` gave.
+
+        Raises:
+            ValueError: A slip belongs to a group that there is not.
+        """
+        require_within("gripped", arrays["gripped"], self._friction.shape[0])
         for name, array in self._evolving().items():
             array.assign(arrays[name])
 

@@ -29,6 +29,7 @@ from typing import Any
 import numpy as np
 import warp as wp
 
+from warp_mps.core.counters import require_within
 from warp_mps.core.replay import Replay
 from warp_mps.core.types import NumericTypes
 from warp_mps.elastic.hamiltonian.model import HamiltonianModel
@@ -168,6 +169,7 @@ class TwoLevelPreconditioner:
         self.reuse.assign(np.array(policy))
         self._made_of.assign(arrays["coarse_u"])
         self._made_at.fill_(at)
+        require_within("coarse", np.array([on]), 1)
         self._on.fill_(int(on))
         if not on:
             return
