@@ -47,9 +47,11 @@ def read_animation(path: Path) -> dict[str, dict[str, np.ndarray]]:
     for prim in stage.GetDefaultPrim().GetChildren():
         points = UsdGeom.Points(prim)
         codes = points.GetPointsAttr().GetTimeSamples()
+        # zero unless the scene is far from the origin of the stage
+        origin = np.array(points.ComputeLocalToWorldTransform(Usd.TimeCode.Default()).ExtractTranslation())
         bodies[prim.GetName()] = {
             "times": np.array(codes) / rate,
-            "places": unit * np.array([points.GetPointsAttr().Get(code) for code in codes], dtype=float),
+            "places": unit * (origin + np.array([points.GetPointsAttr().Get(code) for code in codes], dtype=float)),
             "velocities": unit * np.array([points.GetVelocitiesAttr().Get(code) for code in codes], dtype=float),
         }
     return bodies
