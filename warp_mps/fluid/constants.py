@@ -34,6 +34,11 @@ def fluid_constants_struct(types: NumericTypes) -> Any:
             divergence: Factor of the divergence [m].
             laplacian: Factor of the Laplacian [1/m^2].
             gradient: Factor of the scheme's gradient [-].
+            still_radius: Radius of the force's pair weight in water at rest [m]; see `warp_mps.fluid.still_water`.
+            still_gradient: Factor of the gradient with that radius [-].
+            missing_first: Mean height of what is missing above the uppermost row of a lattice [l0].
+            missing_second: What it is more above the second row [l0].
+            head: rho |g| l0 [Pa].
             beyond_first: Factor b1 of the part beyond a free surface [-].
             beyond_second: Factor b2 of the part beyond a free surface [-].
             density: Density rho [kg/m^3].
@@ -61,6 +66,11 @@ def fluid_constants_struct(types: NumericTypes) -> Any:
         divergence: real
         laplacian: real
         gradient: real
+        still_radius: real
+        still_gradient: real
+        missing_first: real
+        missing_second: real
+        head: real
         beyond_first: real
         beyond_second: real
         density: real

@@ -15,6 +15,9 @@ Where negative pressures are clipped, p_j of a wall is never below 0. The conser
 an elastic body is that of the pressure halfway, (p_i + p_j)/2, and there this is never below 0: what of a body is above
 the water's level does not push. With p_j instead, bodies were found to float 0.07 to 0.12 spacings too high.
 
+In water at rest the pair weight has another radius, and walls above its level do not push
+(`warp_mps.fluid.still_water`).
+
 Where both pressures of a pair add up to a pull, which happens only if negative pressures are allowed, the conservative
 force takes p_j - p_i (Sun, Colagrossi, Marrone, Antuono & Zhang 2018), for a pull clusters particles.
 
@@ -32,11 +35,11 @@ from warp_mps.core.periodic import displacement_function
 from warp_mps.core.types import NumericTypes
 from warp_mps.fluid import METHOD
 from warp_mps.fluid.constants import fluid_constants_struct
-from warp_mps.fluid.gradient_weight import gradient_weight_function
 from warp_mps.fluid.mirror_planes import LEAST_SPREAD, mirror_plane_kernels
 from warp_mps.fluid.neighbour_search import neighbour_table_struct
 from warp_mps.fluid.pressure.divergence import LEAST_DETERMINANT
 from warp_mps.fluid.schemes import CONSERVATIVE, CORRECTED
+from warp_mps.fluid.still_water import still_water_kernels
 
 # closest distance that a force sees, in effective radii: what is closer is two particles that collide
 CLOSEST = 0.02
@@ -48,7 +51,8 @@ def gradient_kernels(types: NumericTypes) -> SimpleNamespace:
     real, vec, mat, d = types.real, types.vec, types.mat, types.dimension
     Constants, Neighbours = fluid_constants_struct(types), neighbour_table_struct()
     displacement = displacement_function(types)
-    gradient_weight = gradient_weight_function(types)
+    still_water = still_water_kernels(types)
+    pair_weight, wet_share = still_water.pair_weight, still_water.wet_share
     tangential_moment = mirror_plane_kernels(types).tangential_moment
 
     @types.func(METHOD)
@@ -87,6 +91,7 @@ def gradient_kernels(types: NumericTypes) -> SimpleNamespace:
         p: wp.array(dtype=wp.float64),  # pressures [Pa], [m]
         normal: wp.array(dtype=vec),  # normals into the walls beside particles [-], [m]
         depth: wp.array(dtype=real),  # distances from the faces of these walls, 0 without [m], [m]
+        rest: wp.array(dtype=real),  # share by which the water is at rest [-], [1]
         # State out:
         wall_gradient_out: wp.array(dtype=vec),  # pressure gradients along walls [Pa/m], [m]
     ):
@@ -109,7 +114,7 @@ def gradient_kernels(types: NumericTypes) -> SimpleNamespace:
                 x_ij = displacement(x_i, x[j], fluid.period)
                 square = wp.dot(x_ij, x_ij)
                 if square < fluid.radius * fluid.radius:
-                    c = fluid.gradient * gradient_weight(wp.static(CONSERVATIVE), wp.sqrt(square), fluid.radius)
+                    c = pair_weight(fluid, rest[0], wp.sqrt(square))
                     if j < fluid.walls:
                         pull += c * (fluid.gravity - a[j])
                         weights += c
@@ -119,7 +124,7 @@ def gradient_kernels(types: NumericTypes) -> SimpleNamespace:
                         moments += c * wp.outer(x_ij, x_ij)
             n = normal[k]
             own = tangential_moment(moments, n)
-            if own > real(LEAST_SPREAD):
+            if own > real(LEAST_SPREAD) and weights > real(0.0):
                 total = (total - (fluid.density / weights) * (moments * pull)) / own
                 result = total - wp.dot(total, n) * n
         wall_gradient_out[k] = result
@@ -136,6 +141,7 @@ def gradient_kernels(types: NumericTypes) -> SimpleNamespace:
         p: wp.array(dtype=wp.float64),  # pressures [Pa], [m]
         density_scale: wp.array(dtype=real),  # density scales s [-], [m]
         wall_gradient: wp.array(dtype=vec),  # pressure gradients along walls [Pa/m], [m]
+        rest: wp.array(dtype=real),  # share by which the water is at rest [-], [1]
         # State out:
         du_out: wp.array(dtype=vec),  # changes of velocity [m/s], [m]
     ):
@@ -159,7 +165,7 @@ def gradient_kernels(types: NumericTypes) -> SimpleNamespace:
             square = wp.dot(x_ij, x_ij)
             if square < fluid.radius * fluid.radius:
                 r = wp.max(wp.sqrt(square), real(CLOSEST) * fluid.radius)
-                c = fluid.gradient * gradient_weight(fluid.scheme, r, fluid.radius)
+                c = pair_weight(fluid, rest[0], r)
                 p_j = real(p[wp.max(j - fluid.walls, 0)])
                 s_j = density_scale[wp.max(j - fluid.walls, 0)]
                 step = real(0.0)
@@ -168,6 +174,7 @@ def gradient_kernels(types: NumericTypes) -> SimpleNamespace:
                     p_j = wall_particle_pressure(fluid, j, p_i, beyond)
                     s_j = s_i
                     step = wp.dot(wall_gradient[k], x_ij)
+                    c *= wet_share(fluid, rest[0], p_i + beyond)
                 if fluid.scheme == wp.static(CONSERVATIVE):
                     c *= real(0.5) * (s_i + s_j)
                 total += (c * (pair_pressure(fluid.scheme, p_i, p_j, p_min) + step)) * x_ij

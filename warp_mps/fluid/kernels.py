@@ -13,6 +13,7 @@ from warp_mps.fluid.neighbour_search import neighbour_search_kernels
 from warp_mps.fluid.pressure.level import level_kernels
 from warp_mps.fluid.pressure.rows import row_kernels
 from warp_mps.fluid.shifting import shifting_kernels
+from warp_mps.fluid.still_water import still_water_kernels
 from warp_mps.fluid.time_integration import integration_kernels
 from warp_mps.fluid.viscosity import viscosity_kernels
 from warp_mps.fluid.volumes import volume_kernels
@@ -26,6 +27,7 @@ FACTORIES = (
     implicit_viscosity_kernels,
     integration_kernels,
     mirror_plane_kernels,
+    still_water_kernels,
     row_kernels,
     level_kernels,
     gradient_kernels,

@@ -14,8 +14,9 @@ from warp_mps.core.types import NumericTypes
 from warp_mps.fluid.collisions import COLLISION, KEPT_APART
 from warp_mps.fluid.constants import fluid_constants_struct
 from warp_mps.fluid.domain import domain
-from warp_mps.fluid.operator_constants import Operators, operators
+from warp_mps.fluid.operator_constants import Operators, gradient_factor, operators
 from warp_mps.fluid.schemes import CONSERVATIVE, CORRECTED, KOSHIZUKA_OKA, SCHEMES
+from warp_mps.fluid.still_water import RADIUS, missing_heights
 from warp_mps.fluid.time_step import step_limit
 from warp_mps.particles.particles import Particles
 from warp_mps.scene import Scene
@@ -128,6 +129,11 @@ class FluidModel:
         constants.lattice_neighbours = float(ops.neighbours)
         constants.divergence, constants.laplacian = ops.divergence, ops.laplacian
         constants.gradient = self.gradient_factor
+        dimension, reach = self.types.dimension, ops.radius / self.spacing
+        still = min(RADIUS, reach)
+        constants.still_radius, constants.still_gradient = still * self.spacing, gradient_factor(dimension, still)
+        constants.missing_first, constants.missing_second = missing_heights(dimension, reach)
+        constants.head = self.density * float(np.linalg.norm(self.gravity)) * self.spacing
         constants.beyond_first, constants.beyond_second = ops.beyond
         constants.density, constants.volume, constants.mass = self.density, self.volume, self.mass
         constants.viscous_factor = self.viscosity * ops.laplacian

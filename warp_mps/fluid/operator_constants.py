@@ -71,10 +71,22 @@ def operators(dimension: int, spacing: float, effective_radius: float) -> Operat
         neighbours=len(r),
         divergence=float(dimension / np.sum(1.0 / r)) * spacing,
         laplacian=float(2.0 * dimension / np.sum(w * r**2)) / spacing**2,
-        gradient=float(dimension / np.sum((1.0 - r / effective_radius) ** 3 * (r / effective_radius) ** 2)),
+        gradient=gradient_factor(dimension, effective_radius),
         original_gradient=float(dimension / w.sum()),
         beyond=_beyond(dimension, effective_radius),
     )
+
+
+def gradient_factor(dimension: int, radius: float) -> float:
+    """Factor of the gradient with the pair weight (1 - r/r_e)^3 [-].
+
+    Args:
+        dimension: 2 or 3.
+        radius: Radius r_e of the weight [l0].
+    """
+    q = lattice_distances(dimension, radius) / radius
+    q = q[q < 1.0]
+    return float(dimension / np.sum((1.0 - q) ** 3 * q**2))
 
 
 def _beyond(dimension: int, reach: float) -> tuple[float, float]:

@@ -37,7 +37,8 @@ class PressureForces:
         """Launch the slopes of the pressure along walls, where the scheme mirrors there."""
         model, state, equation, lists = self._model, self._state, self._equation, self._neighbours
         if model.scheme == CONSERVATIVE:
-            inputs = [model.constants, lists.table, state.x, state.a, state.p, equation.normal, equation.depth]
+            inputs = [model.constants, lists.table, state.x, state.a, state.p]
+            inputs += [equation.normal, equation.depth, equation.rest]
             model.launch(self._kernels.wall_tangential_gradient, model.count, inputs, [self.slopes])
 
     def accelerate(self, dt: wp.array, du: wp.array) -> None:
@@ -49,7 +50,7 @@ class PressureForces:
         """
         model, state, lists = self._model, self._state, self._neighbours
         inputs = [model.constants, lists.table, dt, state.x, state.a, state.p]
-        inputs += [self._equation.density_scale, self.slopes]
+        inputs += [self._equation.density_scale, self.slopes, self._equation.rest]
         model.launch(self._kernels.pressure_velocity_change, model.count, inputs, [du])
 
     def add_wall_impulse(self, count: int, dt: wp.array, impulse: wp.array, work: wp.array) -> None:
@@ -63,7 +64,7 @@ class PressureForces:
         """
         model, state, lists = self._model, self._state, self._neighbours
         inputs = [model.constants, lists.table, dt, state.x, state.u, state.a, state.p]
-        inputs += [self._equation.density_scale, self.slopes]
+        inputs += [self._equation.density_scale, self.slopes, self._equation.rest]
         model.launch(self._kernels.pressure_wall_impulse, count, inputs, [impulse, work])
 
     def wall_pressures(self) -> np.ndarray:

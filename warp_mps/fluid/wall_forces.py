@@ -17,9 +17,9 @@ from warp_mps.core.weights import weight_function
 from warp_mps.fluid import METHOD
 from warp_mps.fluid.constants import fluid_constants_struct
 from warp_mps.fluid.gradient import CLOSEST, gradient_kernels
-from warp_mps.fluid.gradient_weight import gradient_weight_function
 from warp_mps.fluid.neighbour_search import neighbour_table_struct
 from warp_mps.fluid.schemes import CONSERVATIVE
+from warp_mps.fluid.still_water import still_water_kernels
 
 
 @functools.cache
@@ -29,7 +29,8 @@ def wall_force_kernels(types: NumericTypes) -> SimpleNamespace:
     Constants, Neighbours = fluid_constants_struct(types), neighbour_table_struct()
     vec64 = wp.types.vector(length=types.dimension, dtype=wp.float64)
     displacement, weight = displacement_function(types), weight_function(types)
-    gradient_weight, gradient = gradient_weight_function(types), gradient_kernels(types)
+    still_water, gradient = still_water_kernels(types), gradient_kernels(types)
+    pair_weight, wet_share = still_water.pair_weight, still_water.wet_share
     wall_particle_pressure, pair_pressure = gradient.wall_particle_pressure, gradient.pair_pressure
 
     @types.kernel(METHOD)
@@ -45,6 +46,7 @@ def wall_force_kernels(types: NumericTypes) -> SimpleNamespace:
         p: wp.array(dtype=wp.float64),  # pressures [Pa], [m]
         density_scale: wp.array(dtype=real),  # density scales s [-], [m]
         wall_gradient: wp.array(dtype=vec),  # pressure gradients along walls [Pa/m], [m]
+        rest: wp.array(dtype=real),  # share by which the water is at rest [-], [1]
         # State in and out:
         impulse: wp.array(dtype=vec64),  # impulses on walls [N s], in 2-D [N s/m], [w]
         work: wp.array(dtype=wp.float64),  # work of walls on the fluid [J], in 2-D [J/m], [w]
@@ -62,10 +64,11 @@ def wall_force_kernels(types: NumericTypes) -> SimpleNamespace:
             square = wp.dot(x_ij, x_ij)
             if square < fluid.radius * fluid.radius:
                 r = wp.max(wp.sqrt(square), real(CLOSEST) * fluid.radius)
-                c = fluid.gradient * gradient_weight(fluid.scheme, r, fluid.radius)
+                c = pair_weight(fluid, rest[0], r)
                 p_i = real(p[i - fluid.walls])
                 beyond = fluid.density * wp.dot(fluid.gravity - a[j], x_ij)
                 p_j = wall_particle_pressure(fluid, j, p_i, beyond)
+                c *= wet_share(fluid, rest[0], p_i + beyond)
                 pressed = pair_pressure(wp.static(CONSERVATIVE), p_i, p_j, p_i)
                 pressed += wp.dot(wall_gradient[i - fluid.walls], x_ij)
                 total += (density_scale[i - fluid.walls] * c * pressed) * x_ij

@@ -27,7 +27,7 @@ def plank(density: float = 500.0, low: float = 0.08) -> Scene:
 def test_a_body_afloat_is_remarked() -> None:
     (line,) = remarks(plank())
     assert line.startswith(
-        "/World/plank: floats and is free along the level: water at rest may move it by 0.0094 m (0.9"
+        "/World/plank: floats and is free along the level: water that has moved may move it by 0.0094 m (0.9"
     )
 
 

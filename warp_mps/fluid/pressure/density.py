@@ -50,12 +50,14 @@ def density_functions(types: NumericTypes) -> SimpleNamespace:
         Attributes:
             n: Number density sum_j w [-].
             neighbours: Number of neighbours [-].
+            first: First moment sum_j w x_ij [m], 0 on a lattice.
             moment: Second moment of the gradient's weights sum_j g r^2/r_e^2 [-].
             uneven: First moment of the gradient's weights sum_j g x_ij/r_e^2 [1/m], 0 on a lattice.
         """
 
         n: real
         neighbours: wp.int32
+        first: vec
         moment: real
         uneven: vec
 
@@ -65,6 +67,7 @@ def density_functions(types: NumericTypes) -> SimpleNamespace:
         g = gradient_weight(fluid.scheme, r, fluid.radius)
         sums.n += w
         sums.neighbours += 1
+        sums.first += w * x_ij
         sums.moment += g * r * r
         sums.uneven += g * x_ij
 

@@ -30,6 +30,7 @@ class PressureEquation:
         density_scale: Factor of the density in gradients [-], see `warp_mps.fluid.pressure.rows`, real [m].
         normal: Unit normal of the wall's face that a particle is beside, else 0, vec [m].
         depth: Distance from that face [m], 0 if there is none, real [m].
+        rest: Share by which the water is at rest [-], see `warp_mps.fluid.still_water`, real [1].
         tilt: Offset of a particle's pair vectors to walls beside a face [m], vec [m]; see there.
         solver: Its solver.
 
@@ -57,6 +58,8 @@ class PressureEquation:
         self.density_scale = wp.ones(m, dtype=types.real, device=model.device)
         self.normal, self.depth = self._zeros(m, types.vec), self._zeros(m, types.real)
         self.tilt = self._zeros(m, types.vec)
+        self.rest, self._fastest = self._zeros(1, types.real), self._zeros(-(-m // CHUNK), types.real)
+        self._may_rest = model.scheme == CONSERVATIVE and bool(model.clip) and bool(np.any(model.gravity))
         self.solver = ConjugateGradient(
             m,
             types=types,
@@ -80,8 +83,9 @@ class PressureEquation:
         assert matrix.singular is not None
         matrix.singular.fill_(1)
         self.find_planes()
+        self.find_rest(dt)
         inputs = [model.constants, self._neighbours.table, dt, state.x, state.u, state.a, state.p]
-        inputs += [self.normal, self.depth]
+        inputs += [self.normal, self.depth, self.rest]
         rows = [matrix.first, matrix.count, matrix.index, matrix.value, matrix.diagonal, matrix.active]
         outputs = [state.n, self.density_scale, *rows, self.rhs, self.surface, self.tilt, matrix.singular]
         model.launch(self._kernels.assemble, model.count, inputs, outputs)
@@ -92,6 +96,14 @@ class PressureEquation:
         if model.scheme == CONSERVATIVE:
             inputs = [model.constants, self._neighbours.table, self._state.x]
             model.launch(self._kernels.find_mirror_planes, model.count, inputs, [self.normal, self.depth])
+
+    def find_rest(self, dt: wp.array) -> None:
+        """Launch the share by which the water is at rest, from predicted velocities of a step [s], float64 [1]."""
+        model = self._model
+        if self._may_rest:
+            inputs = [model.constants, CHUNK, dt, self._state.u]
+            model.launch(self._kernels.chunk_speeds, len(self._fastest), inputs, [self._fastest])
+            model.launch(self._kernels.find_rest, 1, [model.constants, self._fastest], [self.rest])
 
     def solve(self) -> None:
         """Launch the solve from the last pressures, and clip negative ones or make the least of a closed fluid 0."""

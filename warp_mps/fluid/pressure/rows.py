@@ -24,6 +24,8 @@ deep water that feeds back on the pressure of the next step and may grow. Half o
 k |sum_j g x_ij|^2 with k = 4. The term k_i (p_i - p_i^old) makes the feedback decay, and is 0 where p is steady.
 `DAMPING` is larger, for tanks that are filled too full.
 
+In water at rest b_i and the source beside the surface are those of `warp_mps.fluid.still_water`, and k_i is 0.
+
 References:
     Koshizuka, S. and Oka, Y., Nuclear Science and Engineering 123 (1996) 421.
 """
@@ -43,6 +45,7 @@ from warp_mps.fluid.neighbour_search import neighbour_table_struct
 from warp_mps.fluid.pressure.density import CLOSEST, density_functions
 from warp_mps.fluid.pressure.divergence import divergence_functions
 from warp_mps.fluid.schemes import CONSERVATIVE, KOSHIZUKA_OKA
+from warp_mps.fluid.still_water import still_water_kernels
 
 # errors of the number density count as this one at most: strained lattices and splashes show larger ones
 LARGEST_ERROR = 0.02
@@ -66,6 +69,7 @@ def row_kernels(types: NumericTypes) -> SimpleNamespace:
     add_density_pair, is_free_surface = density.add_density_pair, density.is_free_surface
     beyond_surface, density_scale = density.beyond_surface, density.density_scale
     divergence_weight, dilatation_rate = velocity.divergence_weight, velocity.dilatation_rate
+    beyond_level = still_water_kernels(types).beyond_level
     add_fluid_velocity, add_wall_velocity = velocity.add_fluid_velocity, velocity.add_wall_velocity
 
     @wp.struct
@@ -120,6 +124,7 @@ def row_kernels(types: NumericTypes) -> SimpleNamespace:
         p: wp.array(dtype=wp.float64),  # pressures of the last step [Pa], [m]
         normal: wp.array(dtype=vec),  # normals into the walls beside particles [-], [m]
         depth: wp.array(dtype=real),  # distances from the faces of these walls, 0 without [m], [m]
+        rest: wp.array(dtype=real),  # share by which the water is at rest [-], [1]
         # State out:
         n_out: wp.array(dtype=real),  # number densities [-], [m]
         density_scale_out: wp.array(dtype=real),  # density scales of the gradient [-], [m]
@@ -176,6 +181,7 @@ def row_kernels(types: NumericTypes) -> SimpleNamespace:
                     diagonal += c
 
         e = sums.n / fluid.number_density - real(1.0)
+        lack = -e
         surface = is_free_surface(sums.n, sums.neighbours, fluid)
         beyond = real(0.0)
         if surface:
@@ -184,7 +190,13 @@ def row_kernels(types: NumericTypes) -> SimpleNamespace:
                 singular_out[0] = 0
             beyond = beyond_surface(e, fluid)
             e = real(0.0)
-        damping = damping_of(sums.uneven, fluid)
+        even = density_scale(sums.moment, fluid)
+        if rest[0] > real(0.0):
+            part = real(1.0) - rest[0]
+            beyond = part * beyond + rest[0] * beyond_level(lack, sums.first, fluid)
+            e = wp.max(e, real(0.0)) + part * wp.min(e, real(0.0))
+            even = real(1.0) + part * (even - real(1.0))
+        damping = (real(1.0) - rest[0]) * damping_of(sums.uneven, fluid)
         tilt = walls.lean / wp.max(walls.share, fluid.laplacian * real(1.0e-6))
         given = fluid.density * (walls.pressure - wp.dot(walls.pull, tilt))
         if not surface or fluid.scheme == wp.static(CONSERVATIVE):
@@ -192,7 +204,7 @@ def row_kernels(types: NumericTypes) -> SimpleNamespace:
             given += fluid.density * source(e, div, h, fluid)
 
         n_out[k] = sums.n
-        density_scale_out[k] = density_scale(sums.moment, fluid)
+        density_scale_out[k] = even
         first_out[k] = start
         count_out[k] = entries
         diagonal_out[k] = diagonal + beyond + damping

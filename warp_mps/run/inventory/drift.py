@@ -1,9 +1,10 @@
-"""Remarks on bodies that float freely: the water about them never comes to rest, and moves them along its level.
+"""Remarks on bodies that float freely: water about them that has once moved may never come to rest, and moves them.
 
-At the walls of a tank and the sides of a body the pressure of water at rest is wrong by some percent of rho g l0 near
-the surface. The forces that follow have no potential: particles go round for ever, at about 0.03 sqrt(g l0). This was
-measured for plates and blocks of 4 and 5 particles at l0 of 5 and 10 mm. Three spacings from a wall they drifted by up
-to 1.4 spacings in the first second, in the middle of a tank by a tenth of that.
+Water whose particles lie on a lattice that fits between walls and bodies stays at rest
+(`warp_mps.fluid.still_water`). In all other water particles go round for ever, at about 0.03 sqrt(g l0), for the
+lattice of the pair weight that suits moving water is unstable. That was measured for plates and blocks of 4 and 5
+particles at l0 of 5 and 10 mm. Three spacings from a wall they drifted by up to 1.4 spacings in the first second, until
+they were 4 to 6 spacings away from it, in the middle of a tank by a tenth of that.
 """
 
 from __future__ import annotations
@@ -30,7 +31,7 @@ def remarks_on_drift(scene: Scene, particles: Particles) -> list[str]:
     free = free_bodies(scene, particles)
     spacing, density = scene.fluids[0].spacing, scene.fluids[0].liquid.density
     speed = UNREST * math.sqrt(gravity * spacing)
-    effect = f"water at rest may move it by {speed:.2g} m ({speed / spacing:.1f} spacings) in a second"
+    effect = f"water that has moved may move it by {speed:.2g} m ({speed / spacing:.1f} spacings) in a second"
     remedy = "a support that holds these axes (mps:axes) at its middle prevents it, smaller spacings lessen it"
     return [
         f"{place(body, kind_of(body))}: floats and is free along the level: {effect}; {remedy}"
