@@ -110,6 +110,18 @@ def test_only_heavy_water_of_the_conservative_scheme_rests(flow: dict, gravity: 
     assert fluids.step.pressure.rest.numpy()[0] == 0.0
 
 
+def test_water_that_is_about_to_move_does_not_rest() -> None:
+    """A column without a wall at its side, and particles that are too close."""
+    column, crowd = fluids_of(tank((6, 6), room=(12, 8))), fluids_of(tank((6, 6)))
+    x = crowd.state.x.numpy()
+    x[-1, 0] += 0.2 * L0 * (1.0 if x[-1, 0] < 3.0 * L0 else -1.0)
+    crowd.state.x.assign(x)
+    for fluids in (column, crowd):
+        fluids.step.time_step.dt.assign([DT])
+        fluids.step.assemble()
+        assert fluids.step.pressure.rest.numpy()[0] == 0.0
+
+
 def test_water_that_moves_does_not_rest() -> None:
     fluids = fluids_of(tank((6, 6)))
     stir(fluids, amount=0.0, speed=0.1)

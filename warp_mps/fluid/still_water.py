@@ -7,7 +7,9 @@ no particle is faster than a quarter of that, the conservative scheme therefore 
 
     rest = clamp(2 - |u|_max / (SPEED sqrt(g l0)), 0, 1)
 
-which is 0 in water that moves; flows so slow are below what the particles resolve.
+which is 0 in water that moves; flows so slow are below what the particles resolve. It is also 0 where particles are
+closer than `CLOSEST`, for they are about to move apart, and where more is missing beside a particle than above it, as
+at the face of a column that is about to fall.
 
     force:    the pair weight has the radius `RADIUS`. For 1.8 <= r_e/l0 <= 2.05 (in 3-D 2.0 to 2.1) every shear of a
               square (cubic) lattice is stable, and below 2 no pair reaches across a free surface that carries a force
@@ -27,22 +29,26 @@ of 20 particles per depth would lose four times as much.
 import functools
 import math
 from types import SimpleNamespace
-from typing import Any
 
 import numpy as np
 import warp as wp
 
+from warp_mps.core.periodic import displacement_function
 from warp_mps.core.types import NumericTypes
-from warp_mps.core.weights import weight
+from warp_mps.core.weights import weight as lattice_weight
+from warp_mps.core.weights import weight_function
 from warp_mps.fluid import METHOD
 from warp_mps.fluid.constants import fluid_constants_struct
 from warp_mps.fluid.gradient_weight import gradient_weight_function
+from warp_mps.fluid.neighbour_search import neighbour_table_struct
 from warp_mps.fluid.schemes import CONSERVATIVE
 
 # radius of the force's pair weight in water at rest [l0]
 RADIUS = 2.0
 # speed of the fastest particle up to which water is at rest [sqrt(g l0)]; at twice that it is not
 SPEED = 0.008
+# distance below which particles are about to move apart [l0]
+CLOSEST = 0.9
 # moment of what is missing, per n0 l0, from which the particle is beside a free surface [-]; twice that at full share
 LEAST_MOMENT = 0.02
 # depths of a particle beside the surface [l0]
@@ -60,16 +66,17 @@ def missing_heights(dimension: int, reach: float) -> tuple[float, float]:
     x = np.stack(np.meshgrid(*[line] * dimension, indexing="ij"), axis=-1).reshape(-1, dimension)
     r = np.linalg.norm(x, axis=1)
     near = (r > 0.0) & (r < reach)
-    height, w = x[near, 1], weight(r[near], reach)
+    height, w = x[near, 1], lattice_weight(r[near], reach)
     means = [float(w[height >= row] @ height[height >= row] / w[height >= row].sum()) for row in (1, 2) if reach > row]
     return means[0], (means[1] if len(means) > 1 else means[0] + 1.0) - means[0]
 
 
 @functools.cache
 def still_water_kernels(types: NumericTypes) -> SimpleNamespace:
-    """Kernels `chunk_speeds` and `find_rest`; functions `pair_weight`, `wet_share` and `beyond_level`."""
+    """Kernels that find the share of rest; functions `pair_weight`, `wet_share` and `beyond_level`."""
     real, vec = types.real, types.vec
-    Constants: Any = fluid_constants_struct(types)
+    Constants, Neighbours = fluid_constants_struct(types), neighbour_table_struct()
+    displacement, weight = displacement_function(types), weight_function(types)
     gradient_weight = gradient_weight_function(types)
 
     @types.func(METHOD)
@@ -79,8 +86,7 @@ def still_water_kernels(types: NumericTypes) -> SimpleNamespace:
         if rest > real(0.0):
             c *= real(1.0) - rest
             if r < fluid.still_radius:
-                weight = gradient_weight(wp.static(CONSERVATIVE), r, fluid.still_radius)
-                c += rest * fluid.still_gradient * weight
+                c += rest * fluid.still_gradient * gradient_weight(wp.static(CONSERVATIVE), r, fluid.still_radius)
         return c
 
     @types.func(METHOD)
@@ -133,16 +139,61 @@ def still_water_kernels(types: NumericTypes) -> SimpleNamespace:
         # State in:
         fastest: wp.array(dtype=real),  # largest squares of speeds [m^2/s^2], [m / chunk]
         # State out:
-        rest_out: wp.array(dtype=real),  # share by which the water is at rest [-], [1]
+        rest_out: wp.array(dtype=real),  # share by which the water is slow [-], [1]
+        settled_out: wp.array(dtype=wp.int32),  # 1, [1]
     ):
         """Rest = clamp(2 - |u|_max / (SPEED sqrt(g l0)), 0, 1)."""
         value = real(0.0)
         for c in range(fastest.shape[0]):
             value = wp.max(value, fastest[c])
         slow = real(SPEED) * wp.sqrt(wp.length(fluid.gravity) * fluid.spacing)
+        settled_out[0] = 1
         rest_out[0] = wp.clamp(real(2.0) - wp.sqrt(value) / slow, real(0.0), real(1.0))
 
+    @types.kernel(METHOD)
+    def find_unsettled(
+        # Model:
+        fluid: Constants,
+        neighbours: Neighbours,
+        # State in:
+        x: wp.array(dtype=vec),  # predicted positions [m], [n]
+        rest: wp.array(dtype=real),  # share by which the water is slow [-], [1]
+        # State out:
+        settled_out: wp.array(dtype=wp.int32),  # 0 if a particle is about to move, else untouched, [1]
+    ):
+        """Whether a particle is too close to another one, or more is missing beside than above it."""
+        if rest[0] == real(0.0):
+            return
+        i = wp.tid() + fluid.walls
+        x_i = x[i]
+        first = vec()
+        for m in range(neighbours.count[i]):
+            x_ij = displacement(x_i, x[neighbours.index[i, m]], fluid.period)
+            r = wp.length(x_ij)
+            if r < fluid.radius:
+                if r < real(CLOSEST) * fluid.spacing:
+                    settled_out[0] = 0
+                    return
+                first += weight(r, fluid.radius) * x_ij
+        down = wp.normalize(fluid.gravity)
+        above = wp.dot(first, down)
+        beside = wp.length(first - above * down)
+        if beside > above + real(LEAST_MOMENT) * fluid.number_density * fluid.spacing:
+            settled_out[0] = 0
+
+    @types.kernel(METHOD)
+    def settle(
+        # State in:
+        settled: wp.array(dtype=wp.int32),  # 0 if a particle is about to move, else 1, [1]
+        # State in and out:
+        rest: wp.array(dtype=real),  # share by which the water is at rest [-], [1]
+    ):
+        """Share of 0 if a particle is about to move."""
+        rest[0] = rest[0] * real(settled[0])
+
     return SimpleNamespace(
+        find_unsettled=find_unsettled,
+        settle=settle,
         pair_weight=pair_weight,
         wet_share=wet_share,
         beyond_level=beyond_level,

@@ -38,9 +38,9 @@ def test_what_sinks_or_is_dry_or_held_is_not() -> None:
 
 
 def test_the_support_of_the_remark_keeps_the_place() -> None:
-    """On the axis along the level, at the middle: the plank goes on moving up and down."""
+    """On the axis along the level, at the middle: a plank above its draught goes on moving up and down."""
     mooring = Support(name="mooring", region=Box.from_corners((0.0501, 0.0901), (0.0599, 0.1099)), axes=(0,))
-    simulation = Simulation(replace(plank(), supports=(mooring,)))
+    simulation = Simulation(replace(plank(400.0), supports=(mooring,)))
     simulation.advance(8)
     moved = simulation.displacements[: simulation.particles.elastic].mean(axis=0)
     assert np.abs(moved[0]) < 1e-4

@@ -59,6 +59,7 @@ class PressureEquation:
         self.normal, self.depth = self._zeros(m, types.vec), self._zeros(m, types.real)
         self.tilt = self._zeros(m, types.vec)
         self.rest, self._fastest = self._zeros(1, types.real), self._zeros(-(-m // CHUNK), types.real)
+        self._settled = self._zeros(1, wp.int32)
         self._may_rest = model.scheme == CONSERVATIVE and bool(model.clip) and bool(np.any(model.gravity))
         self.solver = ConjugateGradient(
             m,
@@ -103,7 +104,11 @@ class PressureEquation:
         if self._may_rest:
             inputs = [model.constants, CHUNK, dt, self._state.u]
             model.launch(self._kernels.chunk_speeds, len(self._fastest), inputs, [self._fastest])
-            model.launch(self._kernels.find_rest, 1, [model.constants, self._fastest], [self.rest])
+            outputs = [self.rest, self._settled]
+            model.launch(self._kernels.find_rest, 1, [model.constants, self._fastest], outputs)
+            inputs = [model.constants, self._neighbours.table, self._state.x, self.rest]
+            model.launch(self._kernels.find_unsettled, model.count, inputs, [self._settled])
+            model.launch(self._kernels.settle, 1, [self._settled], [self.rest])
 
     def solve(self) -> None:
         """Launch the solve from the last pressures, and clip negative ones or make the least of a closed fluid 0."""
