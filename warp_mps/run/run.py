@@ -63,7 +63,8 @@ def run_scene(
         InputError: The scene cannot be run, or the folder cannot be used, e.g. since another run is using it.
         RunError: The run had to be stopped; its results so far are kept, and run.json says why.
         KeyboardInterrupt: It was interrupted; likewise. SIGTERM and SIGHUP, unless the program handles or ignores them,
-            end the run in the same way and then the process, as they would have done at once.
+            end the run in the same way and then the process, as they would have done at once. In another thread than
+            the main one no signal arrives: the process ends, and run.json goes on saying ``running``.
     """
     require_scene(scene)
     reserve_descriptors()
