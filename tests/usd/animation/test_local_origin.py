@@ -109,7 +109,18 @@ def test_readers_see_a_far_scene_as_a_near_one(tmp_path: Path) -> None:
 def test_a_translation_that_is_not_finite_is_refused(tmp_path: Path) -> None:
     path = write(tmp_path, particles_at(FAR), UPRIGHT, 0)
     stage = Usd.Stage.Open(str(path))
-    stage.GetPrimAtPath("/Result").GetAttribute("xformOp:translate").Set((np.nan, 0.0, 0.0))
+    stage.GetPrimAtPath("/Result/left").GetAttribute("xformOp:translate").Set((np.nan, 0.0, 0.0))
     stage.Save()
     with pytest.raises(InputError, match="left: is turned, scaled or nowhere"):
         Animation(tmp_path)
+
+
+def test_a_stage_may_reference_a_far_result_and_move_it(tmp_path: Path) -> None:
+    path = write(tmp_path, particles_at(FAR), StageFrame(), 0)
+    stage = Usd.Stage.CreateInMemory()
+    shot = UsdGeom.Xform.Define(stage, "/Shot")
+    shot.GetPrim().GetReferences().AddReference(str(path))
+    shot.ClearXformOpOrder()
+    shot.AddTranslateOp(opSuffix="moved").Set((1.0, 0.0, 0.0))
+    left = UsdGeom.Xformable(stage.GetPrimAtPath("/Shot/left")).ComputeLocalToWorldTransform(0.0)
+    np.testing.assert_allclose(left.ExtractTranslation(), [FAR[0] + 1.0, FAR[1], 0.0], rtol=0.0, atol=1.0)

@@ -74,7 +74,10 @@ class PointsFile:
         origin = local_origin(particles, frame)
         _define_stage(stage, frame, frame_rate, origin)
         for index in range(len(particles.names)):
-            _define_body(stage, particles, index, frame)
+            points = _define_body(stage, particles, index, frame)
+            if origin.any():
+                # not on the prim above: a stage that references the result and moves it would override it
+                points.AddTranslateOp().Set(Gf.Vec3d(*origin.tolist()))
         for name in occluding_walls(particles, frame):
             # programs show a guide on request only: the wall would hide the content
             UsdGeom.Imageable(stage.GetPrimAtPath(f"{ROOT}/{name}")).CreatePurposeAttr(UsdGeom.Tokens.guide)
@@ -224,10 +227,8 @@ def _erase_time_sample(layer: Any, code: float) -> None:
 
 
 def _define_stage(stage: Any, frame: StageFrame, frame_rate: float, origin: np.ndarray) -> None:
-    root = UsdGeom.Xform.Define(stage, ROOT)
-    stage.SetDefaultPrim(root.GetPrim())
+    stage.SetDefaultPrim(UsdGeom.Xform.Define(stage, ROOT).GetPrim())
     if origin.any():
-        root.AddTranslateOp().Set(Gf.Vec3d(*origin.tolist()))
         UsdGeom.Xform.Define(stage, SCENERY).AddTranslateOp().Set(Gf.Vec3d(*origin.tolist()))
     UsdGeom.SetStageUpAxis(stage, frame.up_axis)
     UsdGeom.SetStageMetersPerUnit(stage, frame.meters_per_unit)
@@ -239,7 +240,7 @@ def _define_stage(stage: Any, frame: StageFrame, frame_rate: float, origin: np.n
     stage.SetFramesPerSecond(min(frame_rate, PLAYBACK_RATE))
 
 
-def _define_body(stage: Any, particles: Particles, index: int, frame: StageFrame) -> None:
+def _define_body(stage: Any, particles: Particles, index: int, frame: StageFrame) -> Any:
     first, last = (int(bound) for bound in particles.ranges[index])
     points = UsdGeom.Points.Define(stage, f"{ROOT}/{particles.names[index]}")
     points.CreateIdsAttr(Vt.Int64Array.FromNumpy(particles.ids[first:last].astype(np.int64)))
@@ -254,6 +255,7 @@ def _define_body(stage: Any, particles: Particles, index: int, frame: StageFrame
     paint(points, role, color)
     for create in (points.CreatePointsAttr, points.CreateVelocitiesAttr, points.CreateExtentAttr):
         create()
+    return points
 
 
 def _width(particles: Particles, bounds: tuple[int, int], frame: StageFrame) -> float:

@@ -81,7 +81,7 @@ class AnimationWriter:
     costs two saves, whatever the number of frames before it.
 
     Points, velocities, extents and widths are in the stage's axes and units; primvars are in SI units. The points of a
-    scene far from the origin are relative to a local one, whose place is the translation of the prim above them.
+    scene far from the origin are relative to a local one, whose place is the translation of their prims.
 
     Args:
         path: File to write, ending in ``.usdc``; the first frame replaces an existing one.
