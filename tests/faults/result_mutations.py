@@ -152,6 +152,13 @@ def checkpoint(folder: Path, random: Random) -> str:
     names = sorted(entries)
     name = pick(random, names)
     how = pick(random, ("short", "long", "complex", "nan", "text", "remove", "scalar", "whole", "wide", "metadata"))
+    integers = [name for name in names if entries[name].dtype.kind == "i" and entries[name].size]
+    if random.random() < 0.3:
+        how, name = "index", pick(random, integers)
+        value = int(pick(random, (-1, -(2**31), 2**31 - 1, 10**6)))
+        changed = entries[name].copy()
+        changed.flat[int(random.integers(changed.size))] = value
+        entries[name] = changed
     entries |= {name: _array(entries[name], how)}
     if how == "remove":
         del entries[name]
