@@ -57,8 +57,12 @@ def _falling(scene: Scene, particles: Particles, positions: np.ndarray) -> np.nd
     if direction is None or not scene.walls or not particles.liquid or direction[0] in scene.flow.periodic:
         return np.zeros(particles.liquid, bool)
     low, high = domain(scene, particles)
-    inside = np.all((x >= low) & (x <= high), axis=1)
-    return inside & np.isinf(distance_to_solid(positions[:first], x, *direction, float(scene.fluids[0].spacing)))
+    inside, solids = np.all((x >= low) & (x <= high), axis=1), positions[:first]
+    # what an unstable body has thrown out of the domain holds nothing
+    solids, falling = solids[np.all((solids >= low) & (solids <= high), axis=1)], np.zeros(len(x), bool)
+    distances = distance_to_solid(solids, x[inside], *direction, float(scene.fluids[0].spacing))
+    falling[inside] = np.isinf(distances)
+    return falling
 
 
 def _crossed_walls(
