@@ -85,8 +85,8 @@ FAILING: dict[str, tuple[Callable[[], Scene], str]] = {
     ),
     "fluid lost": (
         leak,
-        rf"at t = 0\.21 s: 5 of 25 fluid particles have left the domain: 5 at its low y end, as {PLACE} at .*: close the "
-        r"tank on that side, or give flow\.domain",
+        rf"at t = 0\.21 s: 5 of 25 fluid particles have left the domain: 5 at its low y end, as {PLACE} at .*: "
+        r"close the tank on that side, or give flow\.domain",
     ),
     "Newton, static": (
         lambda: cantilever(supports=(), load_steps=2),
