@@ -22,7 +22,7 @@ from warp_mps.run import run as run_module
 from warp_mps.run.provenance import fingerprint, identity, versions
 from warp_mps.run.restart import misfit
 from warp_mps.run.run import run_scene
-from warp_mps.scene import Elasticity, Probe, Scene, Support
+from warp_mps.scene import Elasticity, HarmonicMotion, Probe, Scene, Support
 from warp_mps.shapes import Points
 
 CLAMP = Support(name="clamp", region=ends(0.006)[0])
@@ -264,6 +264,19 @@ def test_indices_and_flags_that_are_none_are_refused(
     with pytest.raises(InputError, match=rf"checkpoint\.npz: does not fit this case: {reason}.*; start a new run"):
         run_scene(replace(scene, duration=0.03), folder, quiet=True, resume=True)
     assert contents(folder) == before
+
+
+@pytest.mark.parametrize("ahead", [-1, 7, 10**6])
+def test_another_number_of_steps_is_refused(tmp_path: Path, ahead: int) -> None:
+    """The motion of supports is that at the number of steps."""
+    motion = HarmonicMotion(amplitude=(0.0, 0.001), frequency=50.0)
+    scene = replace(SCENE, supports=(replace(CLAMP, motion=motion),))
+    run_scene(scene, tmp_path, quiet=True)
+    found = cp.load_checkpoint(tmp_path, fingerprint(scene, "float64"))
+    arrays = {**found.arrays, "steps": found.arrays["steps"] + np.int32(ahead)}
+    cp.save_checkpoint(tmp_path, fingerprint(scene, "float64"), replace(found, arrays=arrays))
+    with pytest.raises(InputError, match=rf"steps is {found.step + ahead}, must be {found.step}; start a new run"):
+        run_scene(replace(scene, duration=0.005), tmp_path, quiet=True, resume=True)
 
 
 def test_a_refusal_says_what_has_changed(folder: Path) -> None:
