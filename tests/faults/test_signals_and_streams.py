@@ -102,6 +102,27 @@ def test_a_program_that_is_killed_keeps_its_results(
     assert assert_continues(case, out) > 0.0
 
 
+@pytest.mark.parametrize("module", ["pxr.Usd._usd", "pxr.Sdf._sdf", "pxr.Sdf.__DOC"])
+def test_a_signal_while_usd_is_imported_is_not_lost(module: str) -> None:
+    """USD's modules discard the exception of a signal, and go on without what they were to import."""
+    code = (
+        "import os, signal, sys\n"
+        "class Finder:\n"
+        "    def find_spec(self, name, path=None, target=None):\n"
+        f"        if name == {module!r}: os.kill(os.getpid(), signal.SIGTERM)\n"
+        "signal.signal(signal.SIGTERM, signal.SIG_DFL)\n"
+        "sys.meta_path.insert(0, Finder())\n"
+        "from warp_mps.app.cli import main\n"
+        "sys.exit(main(['check', 'bar_struck_by_wall']))"
+    )
+    result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert (result.returncode, result.stdout, result.stderr) == (
+        143,
+        "",
+        "warp-mps: ended by SIGTERM\n",
+    )
+
+
 @pytest.mark.parametrize(
     ("redirection", "code"),
     [

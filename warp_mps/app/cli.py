@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import errno
 import functools
+import importlib
 import signal
 import sys
 from collections.abc import Callable, Sequence
@@ -182,8 +183,11 @@ def _end(arguments: list[str]) -> int:
                 print(f"warp-mps {__version__}")
                 return 0
             command = parse(COMMANDS, arguments)
-            reason = address_space.too_small()
-            return _fail(reason, 2) if reason else command()
+            if reason := address_space.too_small():
+                return _fail(reason, 2)
+            # before any module imports USD by itself, where a signal would be lost
+            importlib.import_module("warp_mps.usd")
+            return command()
     except SystemExit as help_was_shown:
         return int(help_was_shown.code or 0)
     except (InputError, RunError, MemoryError, OSError) as error:

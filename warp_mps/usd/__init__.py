@@ -4,6 +4,12 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from warp_mps.core.interrupts import defer_interrupts
+
+# USD's modules discard an exception that a signal raises while they are imported, and are incomplete afterwards
+with defer_interrupts():
+    from pxr import Ar, Gf, Pcp, Plug, Sdf, Tf, Usd, UsdGeom, UsdLux, UsdPhysics, UsdShade, UsdUtils, Vt  # noqa: F401
+
 SCHEMA = Path(__file__).parent / "schema"
 
 
@@ -12,6 +18,4 @@ def register_schema() -> None:
 
     Reading does not need them. It may be called again; it must be called before anything else asks USD for a schema.
     """
-    from pxr import Plug
-
     Plug.Registry().RegisterPlugins(str(SCHEMA))
