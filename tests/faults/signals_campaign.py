@@ -107,14 +107,14 @@ def _obey() -> None:
 
 
 def _fault(program: str, number: signal.Signals, code: int, kept: str, errors: str) -> str:
-    """What is wrong with an end; before a run has begun, the program dies as any other of Python's."""
+    """What is wrong with an end; before a run has begun, and after it is done, the program dies as any other."""
     if code == 0:
         return "" if kept == "done" and not errors else f"exit 0, {kept or 'no result'}: {errors[-200:]}"
     if number == signal.SIGPIPE:
         return f"exit {code} by a signal that Python ignores: {errors[-200:]}"
     if kept == "running":
         return f"exit {code}, and run.json says 'running'"
-    allowed = {-number} if program == "python" else {CODES[number]} | ({-number} if not kept else set())
+    allowed = {-number} if program == "python" else {CODES[number]} | ({-number} if kept in ("", "done") else set())
     if code not in allowed:
         return f"exit {code}: {errors[-200:]}"
     if program == "command" and code > 0 and len(errors.splitlines()) != 1:
