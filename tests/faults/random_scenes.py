@@ -51,7 +51,20 @@ class Outcome:
     @property
     def silent(self) -> bool:
         """Whether something is wrong without a remark."""
-        return self.code == 0 and bool(self.faults) and not self.remarks
+        said = " ".join(self.remarks)
+        return self.code == 0 and any(not any(word in said for word in _about(fault)) for fault in self.faults)
+
+
+def _about(fault: str) -> tuple[str, ...]:
+    """What a remark on a fault speaks of; none excuses numbers that are not finite."""
+    about = {
+        "in ": ("outside the tank", "spacings thick"),
+        "under": ("outside the tank",),
+        "energy": ("energy",),
+        "moved": ("spacings apart", "would fit"),
+        "within": ("spacings of the water thick", "particle thick"),
+    }
+    return next((words for key, words in about.items() if key in fault), ())
 
 
 def make(number: int, *, seed: int = 0) -> tuple[Scene, bool]:

@@ -29,3 +29,11 @@ def test_the_reading_sees_what_is_wrong(tmp_path: Path) -> None:
     raised = random_scenes.lifted(scene, 0.02)
     faults = list(random_scenes.find_faults(raised, tmp_path / "run", rests=False))
     assert any("water particles in floor" in fault for fault in faults)
+
+
+def test_energy_that_a_body_gives_the_water_is_remarked(tmp_path: Path) -> None:
+    """A free block rolls in water that rests: the water rises by a fifth of a spacing."""
+    outcome = random_scenes.run(82, tmp_path / "run", seed=0)
+    assert any("energy has grown" in fault for fault in outcome.faults)
+    assert any(line.startswith("the energy balance has grown by 0.") for line in outcome.remarks)
+    assert not outcome.silent

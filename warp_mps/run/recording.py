@@ -206,7 +206,8 @@ class Recording:
         solvers: dict[str, Any] = {**simulation.record()}
         if "fluid" in solvers:
             solvers["fluid"]["outside"] = count_spilled(simulation.scene, particles, simulation.positions)
-        self.remarks = remarks_on_end(simulation.scene, particles, simulation.positions, simulation.velocities)
+        scene, places, velocities = simulation.scene, simulation.positions, simulation.velocities
+        self.remarks = [*self._guard.remarks, *remarks_on_end(scene, particles, places, velocities)]
         done = {"solid": steps * particles.elastic, "fluid": steps * particles.liquid}
         self._summary = replace(
             self._summary,
