@@ -90,6 +90,14 @@ def test_a_shell_that_adds_nothing_is_known() -> None:
     np.testing.assert_allclose(abs(idle), [[0.4, 0.4, 0.4]])
 
 
+def test_a_solid_in_a_cavity_is_not_idle() -> None:
+    """1000 cells of 0.1, without the cavity's 216, with the 8 of the solid in it; one inside that solid is idle."""
+    nested = [part(), part(size=0.6, inward=True), part(size=0.2)]
+    assert len(fill(mesh(*nested), 0.1, 3)) == 1000 - 216 + 8
+    assert len(mesh(*nested).idle_shells) == 0
+    np.testing.assert_allclose(abs(mesh(*nested, part(size=0.1)).idle_shells), [[0.05, 0.05, 0.05]])
+
+
 def test_an_open_edge_is_told_where_it_lies_in_the_scene() -> None:
     points, triangles = cube()
     placement = np.eye(4)

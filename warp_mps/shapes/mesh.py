@@ -97,7 +97,7 @@ class Mesh(Shape):
 
     @property
     def idle_shells(self) -> np.ndarray:
-        """A vertex [m] of each shell that lies in another, turned alike, and so adds nothing, shape [n, 3]."""
+        """A vertex [m] of each shell that lies inside others, turned alike, and so adds nothing, shape [n, 3]."""
         return self.to_scene(self._shells.idle)
 
     @cached_property

@@ -28,7 +28,7 @@ class Shells:
         triangles: Vertices of the triangles that are not degenerate, those of a shell turned alike, shape [m, 3].
         numbers: Shell of each of them, shape [m].
         roles: `SOLID` or `CAVITY`, shape [shells].
-        idle: A vertex of each solid that lies in another one, and so adds nothing, shape [n, 3].
+        idle: A vertex of each solid that lies in another one, not in its cavities, and so adds nothing, shape [n, 3].
         fault: Why the inside is not defined, empty if it is.
     """
 
@@ -118,7 +118,10 @@ def _with_roles(points: np.ndarray, triangles: np.ndarray, numbers: np.ndarray) 
     outermost = {inner: max(outers, key=lambda number: abs(volumes[number])) for inner, outers in around.items()}
     cavities = {inner for inner, outer in outermost.items() if volumes[inner] * volumes[outer] < 0}
     roles[[*sorted(cavities)]] = CAVITY
-    idle = [points[vertex[inner]] for inner in outermost if inner not in cavities]
+    # a solid in a cavity of another one does add something
+    idle = [
+        points[vertex[inner]] for inner, outers in around.items() if inner not in cavities and roles[outers].sum() > 0
+    ]
     # a cavity of one solid may cross another
     wrong = [inner for inner, outer in crossing if not {inner, outer} & cavities]
     fault = ""
