@@ -12,6 +12,7 @@ from pxr import Sdf, UsdUtils
 from tests.usd.case.stages import HEAD, write
 from tests.usd.case.test_refusals import refusal
 from warp_mps.app.cli import main
+from warp_mps.errors import InputError
 from warp_mps.usd.case.read import read_stage
 
 HEAD_SI = HEAD.format(length=1, mass=1, up="Y")
@@ -204,3 +205,8 @@ def test_the_command_line_has_an_option_for_it(home: Path, capsys: pytest.Captur
 def _write(path: Path, text: str) -> Path:
     path.write_text(text)
     return path
+
+
+def test_a_path_that_is_not_utf_8_is_refused() -> None:
+    with pytest.raises(InputError, match=r"^'a\\udcff.usda': cannot be read: its path is not UTF-8, which USD needs"):
+        read_stage("a\udcff.usda")

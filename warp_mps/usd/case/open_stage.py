@@ -78,10 +78,14 @@ def open_stage(
         The stage; its file is not changed.
 
     Raises:
-        InputError: The file is missing or not a stage, something it refers to is missing or outside its folder, or an
-            override is wrong.
+        InputError: The file is missing or not a stage, its path is not UTF-8, something it refers to is missing or
+            outside its folder, or an override is wrong.
     """
     register_schema()
+    try:
+        os.fspath(path).encode()
+    except UnicodeEncodeError:
+        raise InputError(ascii(os.fspath(path)), "", "cannot be read: its path is not UTF-8, which USD needs") from None
     if not os.path.isfile(path):
         raise InputError(str(path), "", "there is no such file")
     with quiet(path):
