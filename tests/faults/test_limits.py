@@ -133,10 +133,12 @@ def test_a_kernel_cache_that_cannot_be_used_is_named(
     def fail(*_: object, **__: object) -> None:
         raise error
 
+    # Warp sets the folder as it starts
+    cpu = device.open_device("cpu")
     monkeypatch.setattr(device.wp, "load_module", fail)
     monkeypatch.setattr(device.wp.config, "kernel_cache_dir", str(tmp_path))
     with pytest.raises(InputError, match=f"^{tmp_path}: .*{reason}"):
-        device.load_modules(["anything"], device.open_device("cpu"))
+        device.load_modules(["anything"], cpu)
 
 
 @pytest.mark.long
