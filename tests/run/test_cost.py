@@ -13,10 +13,10 @@ from tests.scenes import HAMILTONIAN, RUBBER, beam
 from warp_mps.errors import InputError
 from warp_mps.particles.filling import count_particles, fill_scene
 from warp_mps.run.cost import estimate, refuse_too_large
-from warp_mps.run.cost.work import START
+from warp_mps.run.cost.work import START, newton_of_load_step
 from warp_mps.run.run import run_scene
 from warp_mps.run.simulation import Simulation
-from warp_mps.scene import Body, Contact, Fluid, Scene, Wall
+from warp_mps.scene import Body, Contact, Fluid, Scene, Support, Wall
 from warp_mps.shapes import Box, Cylinder
 from warp_mps.usd.case.read import read_stage
 from warp_mps.usd.shipped_cases import shipped_cases
@@ -179,6 +179,21 @@ def test_the_time_of_shipped_stages_is_within_a_factor_of_one_and_a_half() -> No
     assert stages.keys() == MEASURED.keys()
     ratios = {name: estimate(read_stage(path)).seconds / MEASURED[name] for name, path in stages.items()}
     assert {name: ratio for name, ratio in ratios.items() if not 1.0 / 1.5 < ratio < 1.5} == {}
+
+
+@pytest.mark.parametrize("steps", [5, 10, 30])
+def test_newton_iterations_of_load_steps(steps: int) -> None:
+    """The guess continues the last step, so that short load steps need little more than one that corrects."""
+    bar = Body(name="bar", shape=Box((0.5, 0.1)), material=RUBBER, spacing=0.02)
+    clamp = Support(name="clamp", region=Box((0.02, 0.2), (-0.25, 0.0)))
+    pull = (0.0, -0.02 * RUBBER.youngs_modulus / RUBBER.density)
+    scene = Scene(
+        bodies=(bar,), supports=(clamp,), gravity=pull, duration=1.0, analysis="static", load_steps=steps, name="bar"
+    )
+    simulation = Simulation(scene)
+    simulation.run()
+    counted = simulation.record()["implicit"]["newton_iterations"]
+    assert 1.0 / 1.5 < steps * newton_of_load_step(steps) / counted < 1.5
 
 
 def test_what_limits_the_time_step() -> None:

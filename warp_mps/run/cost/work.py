@@ -40,11 +40,14 @@ SCHEMES = {"conservative": 1.0, "corrected": 1.5, "koshizuka_oka": 1.0}
 ROW, ROW_PER_PARTICLE, ROW_PER_FLUID, ROW_PER_PROBE, ROW_PER_ROTATION = 0.8e-3, 0.25e-6, 1.2e-6, 0.05e-3, 2.5e-6
 FRAME, FRAME_PER_PARTICLE = 3.5e-3, 0.5e-6
 
-# Newton iterations of a load step and of a time step; cost of an iteration of the linear solver in units of an explicit
-# step; linear iterations, and the number of particles above which they grow: squares and cubes of 1400 to 96000
-# particles took 27 to 91, and 30 to 49
-NEWTON = {"static": 6.0, "dynamic": 2.0}
-PRODUCT, LINEAR, LINEAR_PARTICLES = 1.5, 40.0, 10_000
+# Newton iterations of a time step; those of a load step: two, one that corrects and one that confirms, and more where
+# the steps are long, since the guess continues the last one (2.1 to 5.5 were counted in 2 steps, 2.2 to 4.6 in 5,
+# 2.1 to 3.9 in 10, 2.0 in 30)
+NEWTON, LEAST_NEWTON, NEWTON_OF_LONG_STEPS, STEPS_OF_NEWTON = 2.0, 2.0, 12.0, 5.0
+# cost of an iteration of the linear solver in units of an explicit step; linear iterations, the assembly counted as 12
+# of them (2-D, 3-D), and the number of particles above which they grow: squares and cubes of 1400 to 96000 particles
+# took 27 to 91, and 20 to 49
+PRODUCT, LINEAR, LINEAR_PARTICLES = 1.5, {2: 40.0, 3: 30.0}, 10_000
 # linear iterations of a Newton iteration of a time step are this many, and so many more for each explicit step in it
 LEAST_LINEAR, LINEAR_PER_STEP = 4.0, 0.45
 # coupling passes of a step; Newton iterations of all of its passes; part of a step of the fluid that a pass repeats
@@ -63,7 +66,7 @@ def _step(scene: Scene, particles: Particles, step: TimeStep) -> float:
     if not scene.fluids:
         if not step.implicit:
             return _explicit_step(scene, particles)
-        newton = NEWTON[scene.analysis]
+        newton = newton_of_load_step(step.steps) if scene.analysis == "static" else NEWTON
         return newton * _linear_iterations(scene, particles, step.length) * _linear_iteration(scene, particles)
     walls = particles.count - particles.elastic - particles.liquid
     fluid = particles.liquid * SECONDS_OF_FLUID[d] * SCHEMES[scene.flow.scheme] + walls * SECONDS_OF_WALL[d]
@@ -75,6 +78,11 @@ def _step(scene: Scene, particles: Particles, step: TimeStep) -> float:
         return fluid + (PASSES + 1.0) * step.substeps * _explicit_step(scene, particles)
     iterations = NEWTON_OF_PASSES * _linear_iterations(scene, particles, step.length)
     return fluid + iterations * _linear_iteration(scene, particles)
+
+
+def newton_of_load_step(steps: int) -> float:
+    """Newton iterations of a load step of a static analysis, where so many make up the complete load."""
+    return LEAST_NEWTON + NEWTON_OF_LONG_STEPS / (steps + STEPS_OF_NEWTON)
 
 
 def _explicit_step(scene: Scene, particles: Particles) -> float:
@@ -104,7 +112,7 @@ def _linear_iterations(scene: Scene, particles: Particles, dt: float) -> float:
 
     Short steps are dominated by inertia, so that few are needed.
     """
-    most = LINEAR * max(1.0, particles.elastic / LINEAR_PARTICLES) ** (1.0 / scene.dimension)
+    most = LINEAR[scene.dimension] * max(1.0, particles.elastic / LINEAR_PARTICLES) ** (1.0 / scene.dimension)
     if scene.analysis == "static":
         return most
     return min(most, LEAST_LINEAR + LINEAR_PER_STEP * dt / stable_step(scene))
