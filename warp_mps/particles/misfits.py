@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
-import numpy as np
-
+from warp_mps.particles.lattice_fit import LatticeFit, lattice_fit
 from warp_mps.particles.met_faces import Fits
 from warp_mps.scene import Body, Fluid, Scene, Wall
 from warp_mps.scene.validation.rules import kind_of, place
@@ -22,48 +20,14 @@ SETTLING = 0.5
 CLOSEST_POINTS, FARTHEST_POINTS = 0.85, 1.15
 
 
-@dataclass(frozen=True, kw_only=True)
-class Misfit:
-    """How a box's lattice fits between two of its faces.
-
-    Attributes:
-        item: The body, wall or fluid.
-        axis: The box's own axis, ``x``, ``y`` or ``z``.
-        size: Distance between the faces, in spacings [-].
-        count: Number of particles between them.
-        step: Distance between these, in spacings [-].
-        offsets: How far the particles reach beyond the low and the high face, in spacings; negative where they end
-            before it [-].
-        met: Whether something lies at these faces; both do for a body.
-    """
-
-    item: Body | Wall | Fluid
-    axis: str
-    size: float
-    count: int
-    step: float
-    offsets: tuple[float, float]
-    met: tuple[bool, bool]
-
-
-def misfits(scene: Scene) -> list[Misfit]:
-    """How the lattices of a scene's boxes fit, along the axes along which their sizes are no whole numbers of spacings.
-
-    Raises:
-        InputError: A box cannot be filled.
-    """
-    fits = Fits(scene)
-    return [misfit for item in scene.filled if isinstance(item.shape, Box) for misfit in _misfits(item, fits)]
-
-
 def remarks_on_misfits(scene: Scene) -> list[str]:
     """A line for each box with a face that lies off the drawn one, or whose particles are squeezed or stretched."""
-    found: dict[str, list[str]] = {}
-    for misfit in misfits(scene):
-        text = _remark(misfit)
-        if text:
-            found.setdefault(place(misfit.item, kind_of(misfit.item)), []).append(text)
-    lines = [f"{where}: {'; '.join(texts)}" for where, texts in found.items()]
+    fits, lines = Fits(scene), []
+    for item in scene.filled:
+        fit = lattice_fit(item, fits) if isinstance(item.shape, Box) else None
+        texts = list(_of_box(item, fit)) if fit else []
+        if texts:
+            lines.append(f"{place(item, kind_of(item))}: {'; '.join(texts)}")
     return [*lines, *(line for item in scene.filled for line in _of_points(item, scene.dimension))]
 
 
@@ -78,57 +42,39 @@ def _of_points(item: Body | Wall | Fluid, dimension: int) -> Iterator[str]:
         yield f"{where}: its points lie {apart}, so that their masses are {share}"
 
 
-def _misfits(item: Body | Wall | Fluid, fits: Fits) -> Iterator[Misfit]:
-    grid, fit = fits.grid(item), fits.of(item)
-    extents = np.ptp(grid.intervals, axis=1) / item.spacing
-    if np.all(np.abs(extents - np.round(extents)) <= OFFSET):
+def _of_box(item: Body | Wall | Fluid, fit: LatticeFit) -> Iterator[str]:
+    """A clause for each axis of a box along which something is wrong, if its size is no whole number of spacings."""
+    if all(abs(size - round(size)) <= OFFSET for size in fit.sizes):
         return
-    met = fit.ends(grid.axes, grid.intervals) if fit else np.ones(grid.intervals.shape, bool)
-    for number, line, (low, high), size, on, faces in zip(
-        grid.numbers, grid.lines, grid.intervals, extents, grid.nodes, met.tolist(), strict=True
-    ):
-        step = line.step / item.spacing
-        # the particles' faces lie half a spacing beyond the outermost ones, or half a step where water's goes on
-        half = 0.0 if on else 0.5 * (step if isinstance(item, Fluid) or not all(faces) else 1.0)
-        x = line.coordinates()
-        yield Misfit(
-            item=item,
-            axis="xyz"[number],
-            size=float(size),
-            count=line.count,
-            step=step,
-            offsets=(float((low - x[0]) / item.spacing + half), float((x[-1] - high) / item.spacing + half)),
-            met=(faces[0], faces[1]),
-        )
+    for number, axis in enumerate(fit.axes):
+        clauses = list(_clauses(item, fit, number))
+        if not clauses:
+            continue
+        size, step = fit.sizes[number], fit.steps[number]
+        # the rows of a fluid with a free face keep their distance, which its size along other axes sets
+        row = step if isinstance(item, Fluid) and not all(fit.met[number]) else 1.0
+        whole = sorted({max(1, int(size / row)), int(size / row) + 1})
+        sizes = " or ".join(f"{number * row * item.spacing:.6g}" for number in whole)
+        taken = f"is {size:.4g} spacings along {axis} and takes {fit.across[number]}"
+        yield f"{taken}: {', '.join(clauses)}; {sizes} m would fit"
 
 
-def _remark(misfit: Misfit) -> str:
-    """What is wrong along an axis, as a clause; empty if nothing is."""
-    item, axis = misfit.item, misfit.axis
-    clauses = []
-    # the faces of a fluid that meet nothing are its free surface; those of a wall are dry
-    watched = misfit.met if isinstance(item, Wall) else (True, True)
-    low, high = (offset if on else 0.0 for offset, on in zip(misfit.offsets, watched, strict=True))
+def _clauses(item: Body | Wall | Fluid, fit: LatticeFit, number: int) -> Iterator[str]:
+    """What is wrong along an axis."""
+    axis, step = fit.axes[number], fit.steps[number]
+    low, high = (fit.offsets.get(f"{sign}{axis}", 0.0) for sign in "-+")
     if abs(low) > OFFSET and abs(low - high) < OFFSET:
-        clauses.append(f"both faces lie {_distance(low, item)} of the drawn ones")
+        yield f"both faces lie {_distance(low, item)} of the drawn ones"
     else:
         for end, offset in (("low", low), ("high", high)):
             if abs(offset) > OFFSET:
-                clauses.append(f"the face at the {end} end lies {_distance(offset, item)} of the drawn one")
-    change = misfit.step - 1.0
-    if isinstance(item, Wall) and all(misfit.met) and misfit.count > 1 and abs(change) > STRETCH:
+                yield f"the face at the {end} end lies {_distance(offset, item)} of the drawn one"
+    change = step - 1.0
+    if isinstance(item, Wall) and all(fit.met[number]) and fit.across[number] > 1 and abs(change) > STRETCH:
         effect = f"water at rest beside it settles by some {SETTLING * abs(change):.2f} spacings"
-        clauses.append(f"its rows are {misfit.step:.3g} spacings apart, and {effect}")
+        yield f"its rows are {step:.3g} spacings apart, and {effect}"
     if isinstance(item, Fluid) and abs(change) > STRAIN:
-        clauses.append(f"its particles are {misfit.step:.3g} spacings apart")
-    if not clauses:
-        return ""
-    # the rows of a fluid with a free face keep their distance, which its size along other axes sets
-    row = misfit.step if isinstance(item, Fluid) and not all(misfit.met) else 1.0
-    whole = sorted({max(1, int(misfit.size / row)), int(misfit.size / row) + 1})
-    sizes = " or ".join(f"{number * row * item.spacing:.6g}" for number in whole)
-    taken = f"is {misfit.size:.4g} spacings along {axis} and takes {misfit.count}"
-    return f"{taken}: {', '.join(clauses)}; {sizes} m would fit"
+        yield f"its particles are {step:.3g} spacings apart"
 
 
 def _distance(offset: float, item: Body | Wall | Fluid) -> str:

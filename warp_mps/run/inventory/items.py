@@ -8,11 +8,11 @@ from typing import Literal
 
 import numpy as np
 
+from warp_mps.particles.lattice_fit import LatticeFit, lattice_fit
 from warp_mps.particles.met_faces import Fits
 from warp_mps.particles.particles import Particles
 from warp_mps.run.inventory.flotation import Flotation
 from warp_mps.run.inventory.gaps import Gap, gaps
-from warp_mps.run.inventory.lattice_fit import LatticeFit, lattice_fit
 from warp_mps.run.inventory.mass_properties import MassProperties, mass_properties
 from warp_mps.scene import Body, Fluid, Scene, Wall
 from warp_mps.scene.validation.rules import kind_of, place
@@ -108,7 +108,7 @@ def _item(
         particles=int(rows.stop - rows.start),
         mass=mass_properties(particles.positions[rows], masses, particles.spacings[rows]),
         parts=_parts(scene, particles, item),
-        lattice=lattice_fit(item, particles.positions[rows], fits),
+        lattice=lattice_fit(item, fits, particles.positions[rows]),
         flotation=floats if isinstance(item, Body) else None,
         gaps=beside,
     )

@@ -58,8 +58,8 @@ def item_rows(item: ItemCheck) -> Iterator[tuple[str, str]]:
     across = f", {_times(item.lattice.across)} at most" if item.lattice else ""
     yield "  particles", f"{item.particles} of {item.spacing:g} m{across}"
     if item.lattice and abs(item.lattice.worst) > LEAST_MISFIT:
-        ends = "; ".join(f"{low:+.3g} {high:+.3g}" for low, high in item.lattice.misfit)
-        yield "  beyond the drawn faces, in spacings", ends
+        offsets = {side: offset for side, offset in item.lattice.offsets.items() if abs(offset) > LEAST_MISFIT}
+        yield "  beyond its drawn faces, in spacings", ", ".join(f"{offsets[side]:+.3g} {side}" for side in offsets)
     yield from _mass_rows(item, plane)
     if item.flotation:
         yield from _flotation_rows(item.flotation)
